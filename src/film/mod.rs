@@ -1,0 +1,21 @@
+//! Images: what the renderer hands over, and how it is written and compared.
+
+pub mod exr;
+pub mod metrics;
+pub mod png;
+
+/// Linear Rec.709 pixels, row 0 at the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image {
+    pub width: u32,
+    pub height: u32,
+    /// `width * height` pixels, row by row.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// A further channel of the same size as the image it goes with, such as `Maps.Horizontal`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    pub name: String,
+    pub values: Vec<f32>,
+}

@@ -1,0 +1,1 @@
+//! From a glTF file to a [`Scene`](super::Scene).

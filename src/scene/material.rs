@@ -1,0 +1,53 @@
+//! Surface materials in glTF's own parameters.
+
+use glam::Vec3;
+
+/// glTF 2.0 metallic-roughness with the extensions the renderer knows. Colours are linear Rec.709.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    pub name: String,
+    pub base_color: Vec3,
+    pub metallic: f32,
+    /// Perceptual roughness; alpha = roughness^2.
+    pub roughness: f32,
+    /// KHR_materials_ior, 1.5 by default.
+    pub ior: f32,
+    /// KHR_materials_specular: specularFactor; 0 with metallic 0 makes the material exactly Lambertian.
+    pub specular: f32,
+    /// KHR_materials_specular: specularColorFactor.
+    pub specular_color: Vec3,
+    /// KHR_materials_transmission: transmissionFactor; smooth glass where above 0.
+    pub transmission: f32,
+    /// Transmission without refraction (KHR_materials_volume: thicknessFactor 0).
+    pub thin: bool,
+    /// Radiance: emissiveFactor * emissiveStrength.
+    pub emission: Vec3,
+    /// Emits on both sides; reflection is two-sided in any case.
+    pub double_sided: bool,
+}
+
+impl Default for Material {
+    /// glTF's default material: white, fully metallic, fully rough.
+    fn default() -> Self {
+        Self {
+            name: "default".into(),
+            base_color: Vec3::ONE,
+            metallic: 1.0,
+            roughness: 1.0,
+            ior: 1.5,
+            specular: 1.0,
+            specular_color: Vec3::ONE,
+            transmission: 0.0,
+            thin: true,
+            emission: Vec3::ZERO,
+            double_sided: false,
+        }
+    }
+}
+
+impl Material {
+    /// Whether triangles of this material are lights.
+    pub fn emits(&self) -> bool {
+        self.emission.max_element() > 0.0
+    }
+}
