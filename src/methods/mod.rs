@@ -1,0 +1,105 @@
+//! The rendering methods: `pt`, `mlt` and `emlt` are mixes of the same parts.
+
+use crate::film::{Channel, Image};
+use crate::report::statistics::Statistics;
+use crate::scene::Scene;
+
+/// Which mix of parts renders the image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, clap::ValueEnum)]
+pub enum Method {
+    /// Ensemble Metropolis light transport: mlt with kernels guided by the complementary ensemble.
+    Emlt,
+    /// Metropolis light transport in path space (Veach 1997).
+    Mlt,
+    /// Path tracing with next-event estimation: the reference.
+    Pt,
+}
+
+impl Method {
+    /// The name on the command line and in metadata.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Emlt => "emlt",
+            Self::Mlt => "mlt",
+            Self::Pt => "pt",
+        }
+    }
+}
+
+/// How long to render.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Budget {
+    /// Mutations per pixel (mlt, emlt) or samples per pixel (pt).
+    SamplesPerPixel(u32),
+    /// Wall-clock seconds of rendering, set-up not counted.
+    Seconds(f64),
+}
+
+/// What the user asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    pub method: Method,
+    pub width: u32,
+    pub height: u32,
+    pub budget: Budget,
+    pub seed: u32,
+    /// Path edges from camera to light, at least 1.
+    pub max_depth: u32,
+    /// Camera by name; the first one without.
+    pub camera: Option<String>,
+    /// Paths in the ensemble: both halves together.
+    pub ensemble: u32,
+    /// Accumulate the mutation-direction maps (mlt, emlt).
+    pub maps: bool,
+    /// Part of a device's name; the best one without.
+    pub device: Option<String>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            method: Method::Emlt,
+            width: 640,
+            height: 480,
+            budget: Budget::SamplesPerPixel(64),
+            seed: 1,
+            max_depth: 12,
+            camera: None,
+            ensemble: 16384,
+            maps: false,
+            device: None,
+        }
+    }
+}
+
+/// Hears of progress and may ask to stop; called between dispatches on the rendering thread.
+pub trait Observer {
+    /// A new stage begins ("compiling shaders", "seeding", "rendering").
+    fn stage(&mut self, _name: &str) {}
+    /// Done share of the current stage in [0, 1].
+    fn progress(&mut self, _share: f64) {}
+    /// True ends the render early with the image as it stands.
+    fn stop_requested(&self) -> bool {
+        false
+    }
+}
+
+/// Neither shows nor stops anything.
+pub struct Silent;
+
+impl Observer for Silent {}
+
+/// A finished (or interrupted) render.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    pub image: Image,
+    /// `Maps.*` and other layers that were asked for.
+    pub channels: Vec<Channel>,
+    pub statistics: Statistics,
+}
+
+/// Renders `scene` as `settings` say.
+pub fn render(scene: &Scene, settings: &Settings, observer: &mut dyn Observer) -> crate::Result<Outcome> {
+    let _ = (scene, settings, observer);
+    Err(crate::Error::runtime("rendering is not built yet"))
+}
