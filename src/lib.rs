@@ -8,6 +8,7 @@
 mod error;
 
 pub mod film;
+pub mod gpu;
 pub mod methods;
 pub mod report;
 pub mod scene;

@@ -1,0 +1,3 @@
+//! The device: context, scene buffers, shaders and dispatch.
+
+pub mod shader;
