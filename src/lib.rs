@@ -5,6 +5,7 @@
 //! - [`methods`]: what `pt`, `mlt` and `emlt` are made of, and [`methods::render`]
 //! - [`film`]: images, EXR and PNG files, error metrics
 //! - [`report`]: progress while it runs, statistics at the end
+pub mod accel;
 mod error;
 
 pub mod film;
