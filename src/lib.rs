@@ -4,9 +4,11 @@
 //! - [`scene`]: glTF file to plain scene data and the features it needs
 //! - [`methods`]: what `pt`, `mlt` and `emlt` are made of, and [`methods::render`]
 //! - [`film`]: images, EXR and PNG files, error metrics
-//! - [`report`]: progress while it runs, statistics at the end
+//! - [`report`]: progress while it runs, statistics at the end, metadata in the file
+//! - [`cli`]: the commands
 mod error;
 
+pub mod cli;
 pub mod film;
 pub mod methods;
 pub mod report;
