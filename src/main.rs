@@ -1,1 +1,5 @@
-fn main(){}
+//! The `emlt` program; see [`emlt::cli`].
+
+fn main() -> std::process::ExitCode {
+    emlt::cli::main()
+}

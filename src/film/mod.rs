@@ -1,6 +1,7 @@
 //! Images: what the renderer hands over, and how it is written and compared.
 
 pub mod exr;
+pub mod file;
 pub mod metrics;
 pub mod png;
 

@@ -1,4 +1,6 @@
-//! What a render says about itself: progress while it runs, statistics at its end.
+//! What a render says about itself: progress while it runs, statistics at its end, metadata in its file.
 
+pub mod metadata;
 pub mod progress;
 pub mod statistics;
+pub mod summary;

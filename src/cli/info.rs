@@ -1,0 +1,172 @@
+//! `emlt info`: what is in a scene file.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::Result;
+use crate::scene::{Features, Scene, import::import};
+
+/// Say what is in a scene: triangles, materials, cameras, lights, size, features
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// The scene: a glTF 2.0 file (.glb or .gltf)
+    scene: PathBuf,
+}
+
+/// Prints the summary on standard output and the import's warnings on standard error.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let scene = import(&arguments.scene)?;
+    for warning in &scene.warnings {
+        super::say("warning", warning);
+    }
+    super::print(&summary(&scene))
+}
+
+/// One line per subject, ended by a line feed.
+fn summary(scene: &Scene) -> String {
+    let mut text = String::new();
+    let mut row = |name: &str, value: String| {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{name:<11}{}", super::one_line(&value));
+    };
+    row("scene", scene.name.clone());
+    row(
+        "triangles",
+        format!(
+            "{} with {} vertices",
+            scene.triangles.len(),
+            scene.positions.len()
+        ),
+    );
+    let materials: Vec<String> = scene
+        .materials
+        .iter()
+        .map(|m| format!("'{}'", m.name))
+        .collect();
+    row("materials", counted(&materials));
+    for (i, camera) in scene.cameras.iter().enumerate() {
+        let aspect = camera
+            .aspect
+            .map(|a| format!(", aspect {a:.3}"))
+            .unwrap_or_default();
+        let default = if i == 0 { " (the default)" } else { "" };
+        row(
+            "camera",
+            format!(
+                "'{}': vertical field of view {:.1} degrees{aspect}{default}",
+                camera.name,
+                camera.vertical_fov.to_degrees()
+            ),
+        );
+    }
+    row("lights", lights(scene));
+    let (centre, radius) = scene.bounding_sphere();
+    row(
+        "bounds",
+        format!(
+            "centre {:.4} {:.4} {:.4}, radius {radius:.4}",
+            centre.x, centre.y, centre.z
+        ),
+    );
+    let features: Vec<&str> = Features::of(scene)
+        .flags()
+        .iter()
+        .filter(|(_, on)| *on)
+        .map(|(name, _)| *name)
+        .collect();
+    row(
+        "features",
+        if features.is_empty() {
+            "diffuse only".into()
+        } else {
+            features.join(", ")
+        },
+    );
+    text
+}
+
+/// The names after their number.
+fn counted(names: &[String]) -> String {
+    if names.is_empty() {
+        "0".into()
+    } else {
+        format!("{}: {}", names.len(), names.join(", "))
+    }
+}
+
+fn lights(scene: &Scene) -> String {
+    let emits = |m: u32| scene.materials.get(m as usize).is_some_and(|m| m.emits());
+    let mut count = 0_usize;
+    let mut area = 0.0_f64;
+    for (triangle, &material) in scene.triangles.iter().zip(&scene.triangle_materials) {
+        if emits(material) {
+            let [a, b, c] = triangle.map(|i| scene.positions[i as usize].as_dvec3());
+            count += 1;
+            area += 0.5 * (b - a).cross(c - a).length();
+        }
+    }
+    let sky = scene
+        .sky
+        .map(|s| format!("a uniform sky of radiance {:.3} {:.3} {:.3}", s.x, s.y, s.z));
+    let triangles = (count > 0).then(|| format!("{count} emissive triangles of area {area:.4}"));
+    let parts: Vec<String> = [triangles, sky].into_iter().flatten().collect();
+    if parts.is_empty() {
+        "none".into()
+    } else {
+        parts.join(", ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Camera, Material};
+    use glam::Vec3;
+
+    #[test]
+    fn the_summary_of_a_lit_triangle() {
+        let light = Material {
+            name: "light".into(),
+            metallic: 0.0,
+            specular: 0.0,
+            emission: Vec3::ONE,
+            ..Material::default()
+        };
+        let camera = Camera {
+            name: "Main".into(),
+            world_from_camera: glam::Affine3A::IDENTITY,
+            vertical_fov: std::f32::consts::FRAC_PI_4,
+            aspect: Some(1.5),
+        };
+        let scene = Scene {
+            name: "one".into(),
+            positions: vec![Vec3::ZERO, 2.0 * Vec3::X, 2.0 * Vec3::Y],
+            normals: vec![Vec3::Z; 3],
+            triangles: vec![[0, 1, 2]],
+            triangle_materials: vec![0],
+            materials: vec![light],
+            cameras: vec![
+                camera.clone(),
+                Camera {
+                    name: "Side".into(),
+                    aspect: None,
+                    ..camera
+                },
+            ],
+            ..Scene::default()
+        };
+        let expected = "\
+scene      one
+triangles  1 with 3 vertices
+materials  1: 'light'
+camera     'Main': vertical field of view 45.0 degrees, aspect 1.500 (the default)
+camera     'Side': vertical field of view 45.0 degrees
+lights     1 emissive triangles of area 2.0000
+bounds     centre 1.0000 1.0000 0.0000, radius 1.4142
+features   diffuse only
+";
+        assert_eq!(summary(&scene), expected);
+    }
+}

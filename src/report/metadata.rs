@@ -1,0 +1,113 @@
+//! What an image file says about how it was made.
+
+use crate::film::exr::Attribute;
+use crate::methods::{Method, Settings};
+use crate::report::statistics::Statistics;
+use crate::scene::Scene;
+
+/// Header attributes of a finished render: counts and seeds as numbers, times in seconds, b in radiance.
+pub fn attributes(
+    scene: &Scene,
+    settings: &Settings,
+    statistics: &Statistics,
+) -> Vec<(String, Attribute)> {
+    let samples = if settings.method == Method::Pt {
+        "samples"
+    } else {
+        "mutations"
+    };
+    let mut list: Vec<(&str, Attribute)> = vec![
+        ("scene", scene.name.as_str().into()),
+        ("method", settings.method.name().into()),
+        ("seed", f64::from(settings.seed).into()),
+        ("maxDepth", f64::from(settings.max_depth).into()),
+        (samples, (statistics.samples as f64).into()),
+        ("seconds", statistics.render_s.into()),
+        ("device", statistics.device.as_str().into()),
+        (
+            "version",
+            concat!("emlt ", env!("CARGO_PKG_VERSION")).into(),
+        ),
+    ];
+    if let Some((b, standard_error)) = statistics.b {
+        list.push(("b", b.into()));
+        list.push(("bStandardError", standard_error.into()));
+    }
+    if !statistics.kernels.is_empty() {
+        list.push(("ensemble", f64::from(settings.ensemble).into()));
+        list.push(("kernelMix", kernel_mix(statistics).as_str().into()));
+    }
+    list.into_iter()
+        .map(|(name, value)| (name.to_string(), value))
+        .collect()
+}
+
+/// Each kernel with its share of the mutations, as `lens 0.250, caustic 0.250`.
+fn kernel_mix(statistics: &Statistics) -> String {
+    let total: u64 = statistics.kernels.iter().map(|k| k.mutations).sum();
+    let share = |mutations: u64| mutations as f64 / total.max(1) as f64;
+    let parts: Vec<String> = statistics
+        .kernels
+        .iter()
+        .map(|k| format!("{} {:.3}", k.name, share(k.mutations)))
+        .collect();
+    parts.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::statistics::KernelStatistics;
+
+    fn value<'a>(list: &'a [(String, Attribute)], name: &str) -> Option<&'a Attribute> {
+        list.iter().find(|(n, _)| n == name).map(|(_, value)| value)
+    }
+
+    #[test]
+    fn mlt_says_what_made_the_image() {
+        let kernel = |name: &str, mutations| KernelStatistics {
+            name: name.into(),
+            mutations,
+            ..Default::default()
+        };
+        let statistics = Statistics {
+            samples: 400,
+            b: Some((0.5, 0.01)),
+            kernels: vec![kernel("lens", 100), kernel("bidirectional", 300)],
+            ..Default::default()
+        };
+        let scene = Scene {
+            name: "box".into(),
+            ..Default::default()
+        };
+        let list = attributes(&scene, &Settings::default(), &statistics);
+        assert_eq!(value(&list, "scene"), Some(&"box".into()));
+        assert_eq!(value(&list, "method"), Some(&"emlt".into()));
+        assert_eq!(value(&list, "mutations"), Some(&400.0.into()));
+        assert_eq!(value(&list, "bStandardError"), Some(&0.01.into()));
+        assert_eq!(
+            value(&list, "kernelMix"),
+            Some(&"lens 0.250, bidirectional 0.750".into())
+        );
+    }
+
+    #[test]
+    fn pt_has_samples_and_no_b() {
+        let settings = Settings {
+            method: Method::Pt,
+            ..Default::default()
+        };
+        let list = attributes(
+            &Scene::default(),
+            &settings,
+            &Statistics {
+                samples: 7,
+                ..Default::default()
+            },
+        );
+        assert_eq!(value(&list, "samples"), Some(&7.0.into()));
+        for absent in ["mutations", "b", "bStandardError", "kernelMix", "ensemble"] {
+            assert_eq!(value(&list, absent), None, "{absent}");
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! The table at the end of a render.
+
+use std::fmt::{self, Display, Formatter};
+use std::fs;
+use std::path::PathBuf;
+
+use super::statistics::{KernelStatistics, Statistics};
+use crate::methods::Method;
+
+/// Everything the table shows; print it with `{}` (several lines, each ended by a line feed).
+pub struct Summary<'a> {
+    pub method: Method,
+    /// Pixels of the image.
+    pub pixels: u64,
+    pub statistics: &'a Statistics,
+    /// The process's highest memory use so far, where the system tells: see [`peak_memory_bytes`].
+    pub peak_memory_bytes: Option<u64>,
+    /// What was written.
+    pub files: &'a [PathBuf],
+}
+
+/// The highest resident memory of this process so far; none where the system does not say (it does on Linux).
+pub fn peak_memory_bytes() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024)
+}
+
+impl Display for Summary<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let s = self.statistics;
+        let mut row = |name: &str, text: String| writeln!(f, "{name:<12}{text}");
+        let software = if s.software_device {
+            " (software: runs on the processor)"
+        } else {
+            ""
+        };
+        row("device", format!("{}{software}", s.device))?;
+        let samples = if self.method == Method::Pt {
+            "samples"
+        } else {
+            "mutations"
+        };
+        let per_pixel = s.samples as f64 / self.pixels as f64;
+        let rate = million_per_second(s.samples, s.render_s);
+        row(
+            samples,
+            format!("{} ({per_pixel:.2} per pixel), {rate}", grouped(s.samples)),
+        )?;
+        row(
+            "rays",
+            format!(
+                "{}, {}",
+                grouped(s.rays),
+                million_per_second(s.rays, s.render_s)
+            ),
+        )?;
+        if let Some((b, standard_error)) = s.b {
+            row(
+                "b",
+                format!("{b:.6} +- {:.2} %", 100.0 * standard_error / b),
+            )?;
+        }
+        if let Some(integrity) = s.integrity {
+            row(
+                "integrity",
+                format!("{integrity:+.1e} (splatted luminance over mutations, minus 1)"),
+            )?;
+        }
+        if !s.kernels.is_empty() {
+            row("non-finite", non_finite(&s.kernels))?;
+        }
+        row(
+            "host",
+            format!("{:.1} % of the rendering time", 100.0 * s.host_share),
+        )?;
+        let (setup, compile, seeding) = (s.setup_s, s.compile_s, s.seeding_s);
+        row(
+            "times",
+            format!(
+                "set-up {setup:.2} s, compiling {compile:.2} s, seeding {seeding:.2} s, rendering {:.2} s",
+                s.render_s
+            ),
+        )?;
+        if let Some(bytes) = self.peak_memory_bytes {
+            row(
+                "memory",
+                format!("{:.0} MiB at its peak", bytes as f64 / f64::from(1 << 20)),
+            )?;
+        }
+        if s.interrupted {
+            row(
+                "interrupted",
+                "the image is as it stood when the render was asked to stop".into(),
+            )?;
+        }
+        for note in &s.notes {
+            row("note", note.clone())?;
+        }
+        for file in self.files {
+            row("written", file.display().to_string())?;
+        }
+        kernel_table(f, &s.kernels)
+    }
+}
+
+/// One line per kernel, columns aligned; nothing without kernels.
+fn kernel_table(f: &mut Formatter<'_>, kernels: &[KernelStatistics]) -> fmt::Result {
+    if kernels.is_empty() {
+        return Ok(());
+    }
+    let width = kernels
+        .iter()
+        .map(|k| k.name.chars().count())
+        .max()
+        .unwrap_or(0)
+        .max("kernel".len());
+    writeln!(
+        f,
+        "{:<width$}  {:>15}  {:>9}  {:>19}",
+        "kernel", "mutations", "accepted", "mean sq. jump, px^2"
+    )?;
+    for k in kernels {
+        let accepted = match k.mutations {
+            0 => "-".to_string(),
+            n => format!("{:.2} %", 100.0 * k.accepted as f64 / n as f64),
+        };
+        let (mutations, jump) = (grouped(k.mutations), k.mean_squared_jump_px2);
+        writeln!(
+            f,
+            "{:<width$}  {mutations:>15}  {accepted:>9}  {jump:>19.3}",
+            k.name
+        )?;
+    }
+    Ok(())
+}
+
+fn non_finite(kernels: &[KernelStatistics]) -> String {
+    let guilty: Vec<String> = kernels
+        .iter()
+        .filter(|k| k.non_finite > 0)
+        .map(|k| format!("{} in {}", grouped(k.non_finite), k.name))
+        .collect();
+    if guilty.is_empty() {
+        return "0 proposals".into();
+    }
+    format!("proposals, all rejected: {}", guilty.join(", "))
+}
+
+fn million_per_second(count: u64, seconds: f64) -> String {
+    if seconds > 0.0 {
+        format!("{:.3} million per second", count as f64 / seconds / 1e6)
+    } else {
+        "no time taken".into()
+    }
+}
+
+/// With a comma between thousands.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kernel(name: &str, accepted: u64, non_finite: u64) -> KernelStatistics {
+        let name = name.into();
+        KernelStatistics {
+            name,
+            mutations: 10_000_000,
+            accepted,
+            non_finite,
+            mean_squared_jump_px2: 12.5,
+        }
+    }
+
+    #[test]
+    fn thousands_are_grouped() {
+        for (number, text) in [
+            (0, "0"),
+            (999, "999"),
+            (1000, "1,000"),
+            (1234567, "1,234,567"),
+        ] {
+            assert_eq!(grouped(number), text);
+        }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn this_process_has_used_memory() {
+        assert!(peak_memory_bytes().unwrap() > 1 << 20);
+    }
+
+    #[test]
+    fn the_table_of_a_metropolis_render() {
+        let statistics = Statistics {
+            device: "llvmpipe (LLVM 15.0.6, 256 bits), Vulkan".into(),
+            software_device: true,
+            samples: 20_000_000,
+            rays: 120_000_000,
+            kernels: vec![
+                kernel("bidirectional", 1_000_000, 0),
+                kernel("lens", 4_200_000, 3),
+            ],
+            b: Some((0.25, 0.001)),
+            integrity: Some(-2.5e-7),
+            setup_s: 0.1,
+            compile_s: 3.25,
+            seeding_s: 1.5,
+            render_s: 40.0,
+            host_share: 0.012,
+            interrupted: true,
+            notes: vec!["The glass is thin.".into()],
+        };
+        let files = [PathBuf::from("box.exr"), PathBuf::from("box.png")];
+        let summary = Summary {
+            method: Method::Emlt,
+            pixels: 320_000,
+            statistics: &statistics,
+            peak_memory_bytes: Some(300 << 20),
+            files: &files,
+        };
+        let expected = "\
+device      llvmpipe (LLVM 15.0.6, 256 bits), Vulkan (software: runs on the processor)
+mutations   20,000,000 (62.50 per pixel), 0.500 million per second
+rays        120,000,000, 3.000 million per second
+b           0.250000 +- 0.40 %
+integrity   -2.5e-7 (splatted luminance over mutations, minus 1)
+non-finite  proposals, all rejected: 3 in lens
+host        1.2 % of the rendering time
+times       set-up 0.10 s, compiling 3.25 s, seeding 1.50 s, rendering 40.00 s
+memory      300 MiB at its peak
+interrupted the image is as it stood when the render was asked to stop
+note        The glass is thin.
+written     box.exr
+written     box.png
+kernel               mutations   accepted  mean sq. jump, px^2
+bidirectional       10,000,000    10.00 %               12.500
+lens                10,000,000    42.00 %               12.500
+";
+        assert_eq!(summary.to_string(), expected);
+    }
+
+    #[test]
+    fn the_table_of_a_path_tracing_has_no_mutations() {
+        let statistics = Statistics {
+            device: "GPU".into(),
+            samples: 640,
+            rays: 5,
+            ..Default::default()
+        };
+        let summary = Summary {
+            method: Method::Pt,
+            pixels: 64,
+            statistics: &statistics,
+            peak_memory_bytes: None,
+            files: &[],
+        };
+        let expected = "\
+device      GPU
+samples     640 (10.00 per pixel), no time taken
+rays        5, no time taken
+host        0.0 % of the rendering time
+times       set-up 0.00 s, compiling 0.00 s, seeding 0.00 s, rendering 0.00 s
+";
+        assert_eq!(summary.to_string(), expected);
+    }
+}
