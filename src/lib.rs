@@ -13,9 +13,12 @@ mod error;
 pub mod accel;
 
 pub mod cli;
+pub mod ensemble;
 pub mod film;
 pub mod gpu;
+pub mod kernels;
 pub mod methods;
+pub mod reference;
 pub mod report;
 pub mod scene;
 

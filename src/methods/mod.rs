@@ -1,5 +1,6 @@
 //! The rendering methods: `pt`, `mlt` and `emlt` are mixes of the same parts.
 
+mod chains;
 mod pt;
 
 use std::time::Instant;
@@ -120,6 +121,8 @@ pub fn render(scene: &Scene, settings: &Settings, observer: &mut dyn Observer) -
     };
     match settings.method {
         Method::Pt => pt::render(&context, features, &data, settings, observer, statistics),
-        Method::Mlt | Method::Emlt => Err(crate::Error::runtime("not yet")),
+        Method::Mlt | Method::Emlt => {
+            chains::render(&context, features, &data, settings, observer, statistics)
+        }
     }
 }

@@ -1,0 +1,227 @@
+//! The start: b and the seeds, from bidirectional candidates (METHOD.md 1.2, 1.3).
+
+use super::strategies::Strategies;
+use crate::gpu::layout::PassUniform;
+use crate::gpu::run::{Buffer, Dispatch, Run};
+use crate::gpu::shader::Variant;
+use crate::methods::Observer;
+use crate::reference::rng;
+use crate::scene::Features;
+
+/// Candidates from which b and the seeds come.
+pub const CANDIDATES: u32 = 1 << 20;
+/// Candidates from which the strategies' probabilities are set before; they are not used again.
+const PILOT: u32 = 1 << 16;
+/// Candidates a dispatch.
+pub const BATCH: u32 = 1 << 16;
+/// Words of `lists` a candidate takes.
+pub const LIST_WORDS: u32 = 3;
+/// Pass indices of the pilot and of the candidates: apart from those of mutations, which count up from 0.
+const PILOT_PASS: u32 = 0x8000_0000;
+const CANDIDATE_PASS: u32 = 0x8000_0001;
+
+/// Running mean of independent samples of b, with the scatter that gives its standard error.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Mean {
+    pub count: f64,
+    pub sum: f64,
+    pub sum_of_squares: f64,
+}
+
+impl Mean {
+    pub fn add(&mut self, value: f64) {
+        self.count += 1.0;
+        self.sum += value;
+        self.sum_of_squares += value * value;
+    }
+
+    pub fn mean(&self) -> f64 {
+        self.sum / self.count.max(1.0)
+    }
+
+    /// Standard error of the mean.
+    pub fn standard_error(&self) -> f64 {
+        let variance = (self.sum_of_squares / self.count.max(1.0) - self.mean().powi(2)).max(0.0);
+        (variance / (self.count - 1.0).max(1.0)).sqrt()
+    }
+}
+
+/// One candidate as the device reports it.
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct Candidate {
+    log_weight: f32,
+    pixel: [f32; 2],
+    rays: f32,
+}
+
+/// What the start leaves: the paths themselves are in the chains.
+pub struct Bootstrap {
+    pub strategies: Strategies,
+    pub b: Mean,
+    pub rays: u64,
+    /// Largest share of one candidate in all weights: above 1/100 the seeds are many copies of one path.
+    pub largest_share: f64,
+}
+
+/// The part of a run's set-up that the start needs.
+pub struct Start<'s> {
+    pub features: Features,
+    pub max_edges: u32,
+    pub seed: u32,
+    /// Paths in the ensemble, both halves.
+    pub paths: u32,
+    pub film: [u32; 2],
+    pub observer: &'s mut dyn Observer,
+}
+
+/// The two pipelines of the start.
+pub fn variants(features: Features, max_edges: u32) -> [Variant; 2] {
+    [vec!["candidates"], vec![]].map(|flags| Variant { pass: "bootstrap", features, max_edges, flags })
+}
+
+impl Start<'_> {
+    /// Estimates b and fills the chains of `run`; its output buffer is left with candidates in it.
+    pub fn run(&mut self, run: &mut Run) -> crate::Result<Bootstrap> {
+        let mut strategies = Strategies::uniform(self.max_edges, self.features.sky);
+        let mut rays = 0;
+        let (pilot, list) = self.candidates(run, &strategies, PILOT, PILOT_PASS, &mut rays)?;
+        strategies = strategies.adapted(list.iter().zip(&pilot).map(|(strategy, candidate)| {
+            (*strategy, weight(candidate), f64::from(candidate.rays))
+        }));
+        let (candidates, list) = self.candidates(run, &strategies, CANDIDATES, CANDIDATE_PASS, &mut rays)?;
+        let weights: Vec<f64> = candidates.iter().map(weight).collect();
+        let mut b = Mean::default();
+        weights.iter().for_each(|w| b.add(*w));
+        if b.sum <= 0.0 {
+            return Err(crate::Error::input(
+                "no light reaches the camera: turn the camera, add a light, or allow longer paths with --max-depth",
+            ));
+        }
+        let largest_share = weights.iter().copied().fold(0.0, f64::max) / b.sum;
+        let chosen = self.choose(&candidates, &weights);
+        self.fill(run, &list, &chosen)?;
+        Ok(Bootstrap { strategies, b, rays, largest_share })
+    }
+
+    /// Makes `count` candidates; systematic over strategies, so neighbours share one.
+    fn candidates(
+        &mut self,
+        run: &mut Run,
+        strategies: &Strategies,
+        count: u32,
+        pass_index: u32,
+        rays: &mut u64,
+    ) -> crate::Result<(Vec<Candidate>, Vec<[u32; 2]>)> {
+        run.set_strategies(&strategies.log_table());
+        let offset = rng::uniform(rng::random_words(self.seed, 0, pass_index, u32::MAX)[0]);
+        let list = strategies.systematic(count, offset);
+        let mut candidates: Vec<Candidate> = Vec::with_capacity(count as usize);
+        let [variant, _] = variants(self.features, self.max_edges);
+        for first in (0..count).step_by(BATCH as usize) {
+            let entries = BATCH.min(count - first);
+            let words: Vec<u32> = (first..first + entries)
+                .flat_map(|i| [list[i as usize][0], list[i as usize][1], i])
+                .collect();
+            run.set_lists(&words);
+            let uniform = PassUniform { entries, pass_index, seed: self.seed, stride: self.paths, ..Default::default() };
+            run.submit(&[Dispatch { variant: variant.clone(), uniform }])?;
+            let bytes = run.read(Buffer::Output, &[0..16 * u64::from(entries)])?;
+            candidates.extend_from_slice(bytemuck::cast_slice(&bytes));
+            self.observer.progress(f64::from(first + entries) / f64::from(count));
+        }
+        *rays += candidates.iter().map(|c| c.rays as u64).sum::<u64>();
+        Ok((candidates, list))
+    }
+
+    /// Seeds of both halves: candidates drawn with probability proportional to weight by systematic resampling along a
+    /// Hilbert curve over the film. The halves draw from disjoint candidates (METHOD.md 1.3 c).
+    fn choose(&self, candidates: &[Candidate], weights: &[f64]) -> Vec<u32> {
+        let side = self.film[0].max(self.film[1]).next_power_of_two();
+        let half = self.paths / 2;
+        let mut chosen = Vec::with_capacity(self.paths as usize);
+        for parity in 0..2u32 {
+            let mut pool: Vec<(u64, u32)> = (0..candidates.len() as u32)
+                .filter(|&i| i % 2 == parity && weights[i as usize] > 0.0)
+                .map(|i| {
+                    let [x, y] = candidates[i as usize].pixel.map(|p| p.max(0.0) as u32);
+                    (hilbert_index(side, x.min(side - 1), y.min(side - 1)), i)
+                })
+                .collect();
+            if pool.is_empty() {
+                // Fewer than two candidates carry light: share what there is.
+                pool = (0..candidates.len() as u32).filter(|&i| weights[i as usize] > 0.0).map(|i| (0, i)).collect();
+            }
+            pool.sort_unstable();
+            let total: f64 = pool.iter().map(|(_, i)| weights[*i as usize]).sum();
+            let offset = rng::uniform(rng::random_words(self.seed, parity, CANDIDATE_PASS, u32::MAX - 1)[0]);
+            let mut member = 0;
+            let mut below = 0.0;
+            for n in 0..half {
+                let target = (f64::from(n) + offset) / f64::from(half) * total;
+                while member + 1 < pool.len() && below + weights[pool[member].1 as usize] <= target {
+                    below += weights[pool[member].1 as usize];
+                    member += 1;
+                }
+                chosen.push(pool[member].1);
+            }
+        }
+        chosen
+    }
+
+    /// Makes the chosen candidates again, into the chains.
+    fn fill(&self, run: &mut Run, list: &[[u32; 2]], chosen: &[u32]) -> crate::Result<()> {
+        let words: Vec<u32> =
+            chosen.iter().flat_map(|&i| [list[i as usize][0], list[i as usize][1], i]).collect();
+        run.set_lists(&words);
+        let [_, variant] = variants(self.features, self.max_edges);
+        let uniform = PassUniform {
+            entries: self.paths,
+            pass_index: CANDIDATE_PASS,
+            seed: self.seed,
+            stride: self.paths,
+            ..Default::default()
+        };
+        run.submit(&[Dispatch { variant, uniform }])
+    }
+}
+
+fn weight(candidate: &Candidate) -> f64 {
+    let w = f64::from(candidate.log_weight).exp();
+    if w.is_finite() { w } else { 0.0 }
+}
+
+/// Position along the Hilbert curve that fills a square of `side` (a power of two) pixels.
+fn hilbert_index(side: u32, mut x: u32, mut y: u32) -> u64 {
+    let mut index = 0u64;
+    let mut s = side / 2;
+    while s > 0 {
+        let (rx, ry) = (u32::from(x & s > 0), u32::from(y & s > 0));
+        index += u64::from(s) * u64::from(s) * u64::from((3 * rx) ^ ry);
+        if ry == 0 {
+            if rx == 1 {
+                (x, y) = (side - 1 - x, side - 1 - y);
+            }
+            std::mem::swap(&mut x, &mut y);
+        }
+        s /= 2;
+    }
+    index
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hilbert_curve_visits_neighbours() {
+        let side = 16;
+        let mut at: Vec<(u64, u32, u32)> =
+            (0..side * side).map(|i| (hilbert_index(side, i % side, i / side), i % side, i / side)).collect();
+        at.sort_unstable();
+        for (n, pair) in at.windows(2).enumerate() {
+            assert_eq!(pair[0].0, n as u64);
+            assert_eq!(pair[0].1.abs_diff(pair[1].1) + pair[0].2.abs_diff(pair[1].2), 1);
+        }
+    }
+}

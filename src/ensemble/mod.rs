@@ -1,0 +1,8 @@
+//! The ensemble: its start, its pool of guides, its sweeps.
+
+pub mod bootstrap;
+pub mod pool;
+pub mod similarity;
+pub mod strategies;
+pub mod sweep;
+mod type_key;

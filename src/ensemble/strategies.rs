@@ -1,0 +1,127 @@
+//! The probabilities with which the independence kernel draws a path's edges and its light-side vertices.
+
+use crate::gpu::layout::{STRATEGY_COLUMNS, STRATEGY_ENTRIES};
+
+/// Share of probability that stays spread evenly, so that no strategy's paths can be missed.
+const DEFENSIVE_SHARE: f64 = 0.1;
+
+/// P(edges k, light-side vertices s) for k = 1 .. max_edges and s = 0 .. k, fixed before the run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strategies {
+    /// Pairs (k, s) that can make a path, with their probabilities.
+    entries: Vec<([u32; 2], f64)>,
+    /// Running sums of the probabilities.
+    cumulative: Vec<f64>,
+}
+
+impl Strategies {
+    /// Every length alike, and every split of it. Under a sky, light subpaths are not traced: s is 0 or 1.
+    pub fn uniform(max_edges: u32, sky: bool) -> Self {
+        let mut entries = Vec::new();
+        for k in 1..=max_edges {
+            // A sky does not connect to the pinhole (s = k = 1): its directions would all be delta events there.
+            let last = if sky { (k - 1).min(1) } else { k };
+            for s in 0..=last {
+                entries.push(([k, s], 1.0 / (f64::from(max_edges) * f64::from(last + 1))));
+            }
+        }
+        Self::from_entries(entries)
+    }
+
+    fn from_entries(entries: Vec<([u32; 2], f64)>) -> Self {
+        let mut sum = 0.0;
+        let cumulative = entries
+            .iter()
+            .map(|(_, p)| {
+                sum += p;
+                sum
+            })
+            .collect();
+        Self { entries, cumulative }
+    }
+
+    /// Probabilities proportional to p sqrt(E[W^2] / rays) as pilot samples (strategy, weight, rays) show it: the
+    /// allocation of least variance at equal cost (Neyman 1934), with a defensive share.
+    pub fn adapted(&self, pilot: impl Iterator<Item = ([u32; 2], f64, f64)>) -> Self {
+        let mut sums = vec![[0.0f64; 3]; self.entries.len()];
+        for (strategy, weight, rays) in pilot {
+            let i = self.position(strategy);
+            sums[i][0] += 1.0;
+            sums[i][1] += weight * weight;
+            sums[i][2] += rays;
+        }
+        let wanted: Vec<f64> = self
+            .entries
+            .iter()
+            .zip(&sums)
+            .map(|((_, p), [n, w2, rays])| {
+                let n = n.max(1.0);
+                p * (w2 / n / (rays / n).max(1.0)).sqrt()
+            })
+            .collect();
+        let total: f64 = wanted.iter().sum();
+        if total <= 0.0 {
+            return self.clone();
+        }
+        let entries = self
+            .entries
+            .iter()
+            .zip(&wanted)
+            .map(|((s, p), w)| (*s, (1.0 - DEFENSIVE_SHARE) * w / total + DEFENSIVE_SHARE * p))
+            .collect();
+        Self::from_entries(entries)
+    }
+
+    fn position(&self, strategy: [u32; 2]) -> usize {
+        self.entries.partition_point(|(s, _)| *s < strategy)
+    }
+
+    /// The strategy at a uniform in [0, 1).
+    pub fn pick(&self, u: f64) -> [u32; 2] {
+        let target = u * self.cumulative[self.cumulative.len() - 1];
+        let i = self.cumulative.partition_point(|c| *c <= target);
+        self.entries[i.min(self.entries.len() - 1)].0
+    }
+
+    /// `count` strategies at (i + offset) / count: each is expected as often as its probability says.
+    pub fn systematic(&self, count: u32, offset: f64) -> Vec<[u32; 2]> {
+        (0..count).map(|i| self.pick((f64::from(i) + offset) / f64::from(count))).collect()
+    }
+
+    /// log P as the shaders read it; what cannot be drawn is -1e30.
+    pub fn log_table(&self) -> [f32; STRATEGY_ENTRIES] {
+        let mut table = [-1e30f32; STRATEGY_ENTRIES];
+        let total = self.cumulative[self.cumulative.len() - 1];
+        for ([k, s], p) in &self.entries {
+            table[*k as usize * STRATEGY_COLUMNS + *s as usize] = (p / total).ln() as f32;
+        }
+        table
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn systematic_drawing_follows_the_probabilities() {
+        let strategies = Strategies::uniform(12, false);
+        let list = strategies.systematic(1 << 16, 0.37);
+        assert!(list.is_sorted());
+        for ([k, s], p) in &strategies.entries {
+            let n = list.iter().filter(|x| **x == [*k, *s]).count() as f64;
+            assert!((n - p * 65536.0).abs() <= 1.0, "{k} {s}: {n}");
+        }
+    }
+
+    #[test]
+    fn adaptation_keeps_every_strategy_and_sums_to_one() {
+        let start = Strategies::uniform(6, false);
+        let pilot = start.systematic(4096, 0.5).into_iter().map(|s| (s, f64::from(u8::from(s == [3, 1])), 4.0));
+        let adapted = start.adapted(pilot);
+        assert!((adapted.cumulative.last().unwrap() - 1.0).abs() < 1e-12);
+        assert!(adapted.entries.iter().all(|(_, p)| *p > 0.0));
+        let best = adapted.entries.iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+        assert_eq!(best.0, [3, 1]);
+    }
+}

@@ -1,0 +1,347 @@
+//! Half-sweeps: one half of the ensemble moves while the other is frozen and guides it (METHOD.md 3.1, 3.7).
+//!
+//! A half-sweep is one independence mutation of every path, then a fixed number of passes in which types do not change
+//! and the dispatch lists are sorted by type. Paths that a pass's kernel does not apply to rest with their weight (C6a).
+
+use super::bootstrap::{Bootstrap, Mean};
+use super::pool::{Pool, TypeKey};
+use super::similarity::{Positions, similarity_median};
+use crate::gpu::layout::{
+    COUNTER_ACCEPTED, COUNTER_JUMP_HIGH, COUNTER_JUMP_LOW, COUNTER_NON_FINITE, COUNTER_RAYS,
+    COUNTER_WORDS, JUMP_SCALE, PassUniform, ROW_KEY, ROW_VERTICES,
+};
+use crate::gpu::run::{Buffer, Dispatch, Run};
+use crate::gpu::shader::{GUIDES, Variant};
+use crate::kernels::guided_lens::SIMILARITY_RADIUS;
+use crate::kernels::{Kernel, independence};
+use crate::reference::rng;
+use crate::report::statistics::KernelStatistics;
+use crate::scene::Features;
+use crate::{Error, Result};
+
+/// Dimension block from which the host draws the independence kernel's strategy.
+const DIMENSION_STRATEGY: u32 = 0xffff;
+
+/// What a sampler is made of: the perturbations of one half-sweep, in order.
+#[derive(Debug, Clone)]
+pub struct Mix {
+    pub passes: Vec<&'static Kernel>,
+}
+
+impl Mix {
+    /// Every kernel once, the independence kernel first.
+    pub fn kernels(&self) -> Vec<&'static Kernel> {
+        let mut kernels = vec![&independence::KERNEL];
+        for pass in &self.passes {
+            if !kernels.iter().any(|k| k.name == pass.name) {
+                kernels.push(pass);
+            }
+        }
+        kernels
+    }
+
+    /// Whether any kernel reads the complementary ensemble.
+    pub fn guided(&self) -> bool {
+        self.passes.iter().any(|k| k.guided)
+    }
+}
+
+/// What the shaders of a run are compiled for, besides the kernel.
+#[derive(Debug, Clone, Copy)]
+pub struct Build {
+    pub features: Features,
+    pub max_edges: u32,
+    pub maps: bool,
+    pub seed: u32,
+    /// Paths in the ensemble, both halves.
+    pub paths: u32,
+}
+
+impl Build {
+    /// The pipeline of a pass that may splat directions.
+    pub fn variant(&self, pass: &'static str, flags: &[&'static str]) -> Variant {
+        let mut flags = flags.to_vec();
+        if self.maps && pass != "weigh" {
+            flags.push("maps");
+        }
+        Variant { pass, features: self.features, max_edges: self.max_edges, flags }
+    }
+
+    /// All pipelines of a mix.
+    pub fn variants(&self, mix: &Mix) -> Vec<Variant> {
+        let mut variants: Vec<Variant> =
+            mix.kernels().iter().map(|k| self.variant(k.pass, k.flags)).collect();
+        variants.push(self.variant("weigh", &[]));
+        variants.push(self.variant("rest", &[]));
+        variants
+    }
+
+    fn uniform(&self) -> PassUniform {
+        PassUniform { seed: self.seed, stride: self.paths, ..Default::default() }
+    }
+}
+
+/// One half while it is frozen: its pool, and the median log similarity of its members (METHOD.md 3.4).
+#[derive(Debug, Clone, Default)]
+struct Half {
+    pool: Pool,
+    similarity_median: f32,
+}
+
+/// Counts of one kernel over the run.
+#[derive(Debug, Clone, Copy, Default)]
+struct Tally {
+    mutations: u64,
+    accepted: u64,
+    non_finite: u64,
+    rays: u64,
+    jump_px2: f64,
+}
+
+/// The ensemble in motion.
+pub struct Ensemble {
+    build: Build,
+    mix: Mix,
+    bootstrap: Bootstrap,
+    halves: [Half; 2],
+    /// Which half moves next.
+    moving: usize,
+    /// Global pass counter; keys every random number together with the path index.
+    pass_index: u32,
+    tallies: Vec<Tally>,
+    /// Proposals of the independence kernel: further samples of b.
+    proposals: Mean,
+}
+
+/// Words of the lists that a run over `paths` paths needs: two dispatch lists, nodes, order.
+pub fn list_words(paths: u32, bootstrap_batch: u32) -> u64 {
+    let half = u64::from(paths) / 2;
+    (half * (2 + 2 + 2 + 2 + 1) + 64).max(3 * u64::from(bootstrap_batch.max(paths)))
+}
+
+impl Ensemble {
+    /// Takes over chains that the bootstrap filled.
+    pub fn new(run: &mut Run, build: Build, mix: Mix, bootstrap: Bootstrap) -> Result<Self> {
+        run.set_strategies(&bootstrap.strategies.log_table());
+        let tallies = vec![Tally::default(); mix.kernels().len()];
+        let mut ensemble = Self {
+            build,
+            mix,
+            bootstrap,
+            halves: Default::default(),
+            moving: 0,
+            pass_index: 0,
+            tallies,
+            proposals: Mean::default(),
+        };
+        for half in 0..2 {
+            let rows = ensemble.read_key_rows(run, half)?;
+            ensemble.halves[half].pool = ensemble.pool_of(&rows, half)?;
+            ensemble.freeze(run, half)?;
+        }
+        Ok(ensemble)
+    }
+
+    fn half_paths(&self) -> u32 {
+        self.build.paths / 2
+    }
+
+    fn first_path(&self, half: usize) -> u32 {
+        half as u32 * self.half_paths()
+    }
+
+    /// Mutations that one half-sweep adds to the image.
+    pub fn mutations_per_half_sweep(&self) -> u64 {
+        u64::from(self.half_paths()) * (1 + self.mix.passes.len() as u64)
+    }
+
+    /// Mutations so far; each put weight 1 on the film.
+    pub fn mutations(&self) -> u64 {
+        self.tallies.iter().map(|t| t.mutations).sum()
+    }
+
+    /// Moves one half, then swaps the halves' parts.
+    pub fn half_sweep(&mut self, run: &mut Run) -> Result<()> {
+        let half = self.moving;
+        self.structural(run, half)?;
+        let rows = self.read_key_rows(run, half)?;
+        for row in &rows {
+            self.proposals.add(f64::from(f32::from_bits(row[3])).exp());
+        }
+        self.halves[half].pool = self.pool_of(&rows, half)?;
+        self.perturb(run, half)?;
+        self.freeze(run, half)?;
+        self.tally(run)?;
+        self.moving = 1 - half;
+        Ok(())
+    }
+
+    /// The independence mutation: log w of every path, then the proposals, sorted by what they draw.
+    fn structural(&mut self, run: &mut Run, half: usize) -> Result<()> {
+        let first = self.first_path(half);
+        let mut entries: Vec<[u32; 2]> = (first..first + self.half_paths())
+            .map(|path| {
+                // Drawn here, from the path's own random numbers, only so that the list can be sorted by it.
+                let words = rng::random_words(self.build.seed, path, self.pass_index, DIMENSION_STRATEGY);
+                let [edges, light] = self.bootstrap.strategies.pick(rng::uniform(words[0]));
+                [path, edges | light << 16]
+            })
+            .collect();
+        entries.sort_by_key(|e| (e[1] & 0xffff, e[1] >> 16));
+        run.set_lists(bytemuck::cast_slice(&entries));
+        let uniform = PassUniform {
+            pass_index: self.pass_index,
+            entries: self.half_paths(),
+            ..self.build.uniform()
+        };
+        let dispatches = ["weigh", "independence"]
+            .map(|pass| Dispatch { variant: self.build.variant(pass, &[]), uniform });
+        self.tallies[0].mutations += u64::from(self.half_paths());
+        self.pass_index += 1;
+        run.submit(&dispatches)
+    }
+
+    /// The type-keeping passes.
+    fn perturb(&mut self, run: &mut Run, half: usize) -> Result<()> {
+        let guides = &self.halves[1 - half];
+        let kernels = self.mix.kernels();
+        // All perturbations so far apply to the same types, so one list serves them all.
+        let applies = self.mix.passes.first().map(|k| k.applies);
+        let list = self.halves[half]
+            .pool
+            .dispatch_list(|key| applies.is_some_and(|f| f(key)), &guides.pool);
+        let mut words: Vec<u32> = list.entries.iter().flatten().copied().collect();
+        let idle_offset = words.len() as u32;
+        words.extend(list.idle.iter().flat_map(|&path| [path, 0]));
+        let nodes_offset = words.len() as u32;
+        words.extend(list.nodes.iter().flatten());
+        let order_offset = words.len() as u32;
+        words.extend(&guides.pool.order);
+        run.set_lists(&words);
+
+        let base = PassUniform {
+            nodes_offset,
+            order_offset,
+            similarity_median: guides.similarity_median,
+            similarity_scale: 1.0 / (SIMILARITY_RADIUS * SIMILARITY_RADIUS),
+            ..self.build.uniform()
+        };
+        let mut dispatches = Vec::with_capacity(self.mix.passes.len() + 1);
+        for kernel in &self.mix.passes {
+            let index = kernels.iter().position(|k| k.name == kernel.name).expect("listed above");
+            if !list.entries.is_empty() {
+                dispatches.push(Dispatch {
+                    variant: self.build.variant(kernel.pass, kernel.flags),
+                    uniform: PassUniform {
+                        pass_index: self.pass_index,
+                        entries: list.entries.len() as u32,
+                        counters_offset: (index * COUNTER_WORDS) as u32,
+                        ..base
+                    },
+                });
+            }
+            self.tallies[index].mutations += u64::from(self.half_paths());
+            self.pass_index += 1;
+        }
+        if !list.idle.is_empty() && !self.mix.passes.is_empty() {
+            dispatches.push(Dispatch {
+                variant: self.build.variant("rest", &[]),
+                uniform: PassUniform {
+                    pass_index: self.pass_index,
+                    entries: list.idle.len() as u32,
+                    entries_offset: idle_offset,
+                    weight: self.mix.passes.len() as f32,
+                    ..base
+                },
+            });
+        }
+        self.pass_index += 1;
+        run.submit(&dispatches)
+    }
+
+    /// What the frozen half tells the moving one, taken after all its moves (METHOD.md C6e).
+    fn freeze(&mut self, run: &mut Run, half: usize) -> Result<()> {
+        if !self.mix.guided() {
+            return Ok(());
+        }
+        let pool = &self.halves[half].pool;
+        let longest = pool.lengths.last().map_or(0, |node| node.edges as usize);
+        let (stride, first) = (u64::from(self.build.paths), u64::from(self.first_path(half)));
+        let count = u64::from(self.half_paths());
+        let ranges: Vec<_> = (0..longest)
+            .map(|i| {
+                let start = 16 * ((ROW_VERTICES + 2 * i + 1) as u64 * stride + first);
+                start..start + 16 * count
+            })
+            .collect();
+        let bytes = run.read(Buffer::Chains, &ranges)?;
+        let positions = Positions {
+            rows: bytemuck::cast_slice(&bytes),
+            stride: count as usize,
+            first_path: self.first_path(half),
+        };
+        // A pool in which no path has company guides nobody: any median will do.
+        self.halves[half].similarity_median =
+            similarity_median(pool, positions, SIMILARITY_RADIUS, GUIDES).unwrap_or(0.0);
+        Ok(())
+    }
+
+    fn read_key_rows(&self, run: &mut Run, half: usize) -> Result<Vec<[u32; 4]>> {
+        let start = 16 * (ROW_KEY as u64 * u64::from(self.build.paths) + u64::from(self.first_path(half)));
+        let bytes = run.read(Buffer::Chains, &[start..start + 16 * u64::from(self.half_paths())])?;
+        Ok(bytemuck::cast_slice(&bytes).to_vec())
+    }
+
+    fn pool_of(&self, rows: &[[u32; 4]], half: usize) -> Result<Pool> {
+        let keys: Option<Vec<TypeKey>> =
+            rows.iter().map(|row| TypeKey::from_words([row[0], row[1]])).collect();
+        let keys = keys.ok_or_else(|| Error::runtime("the device returned paths without a type: its driver miscomputes, try another with --device"))?;
+        Ok(Pool::build(&keys, self.first_path(half)))
+    }
+
+    fn tally(&mut self, run: &mut Run) -> Result<()> {
+        let size = 4 * (self.tallies.len() * COUNTER_WORDS) as u64;
+        let bytes = run.read(Buffer::Counters, &[0..size])?;
+        run.clear(Buffer::Counters);
+        let words: &[u32] = bytemuck::cast_slice(&bytes);
+        for (tally, words) in self.tallies.iter_mut().zip(words.chunks_exact(COUNTER_WORDS)) {
+            tally.accepted += u64::from(words[COUNTER_ACCEPTED]);
+            tally.non_finite += u64::from(words[COUNTER_NON_FINITE]);
+            tally.rays += u64::from(words[COUNTER_RAYS]);
+            let jump = f64::from(words[COUNTER_JUMP_LOW]) + f64::from(words[COUNTER_JUMP_HIGH]) * 2f64.powi(32);
+            tally.jump_px2 += jump / JUMP_SCALE;
+        }
+        Ok(())
+    }
+
+    /// b and its standard error, from the candidates and all independent proposals since.
+    pub fn b(&self) -> (f64, f64) {
+        let all = Mean {
+            count: self.bootstrap.b.count + self.proposals.count,
+            sum: self.bootstrap.b.sum + self.proposals.sum,
+            sum_of_squares: self.bootstrap.b.sum_of_squares + self.proposals.sum_of_squares,
+        };
+        (all.mean(), all.standard_error())
+    }
+
+    /// Rays of the start and of all mutations.
+    pub fn rays(&self) -> u64 {
+        self.bootstrap.rays + self.tallies.iter().map(|t| t.rays).sum::<u64>()
+    }
+
+    /// Counts per kernel.
+    pub fn kernel_statistics(&self) -> Vec<KernelStatistics> {
+        self.mix
+            .kernels()
+            .iter()
+            .zip(&self.tallies)
+            .map(|(kernel, tally)| KernelStatistics {
+                name: kernel.name.into(),
+                mutations: tally.mutations,
+                accepted: tally.accepted,
+                non_finite: tally.non_finite,
+                mean_squared_jump_px2: tally.jump_px2 / tally.mutations.max(1) as f64,
+            })
+            .collect()
+    }
+}

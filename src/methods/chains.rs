@@ -1,0 +1,156 @@
+//! `mlt` and `emlt`: chains in path space, as mixes of kernels over the same sweeps.
+
+use std::time::Instant;
+
+use super::{Budget, Method, Observer, Outcome, Settings};
+use crate::ensemble::bootstrap::{self, BATCH, Start};
+use crate::ensemble::sweep::{Build, Ensemble, Mix, list_words};
+use crate::film::{Channel, Image};
+use crate::gpu::context::Context;
+use crate::gpu::layout::{COUNTER_WORDS, FILM_SCALE, chain_rows};
+use crate::gpu::run::{Buffer, Run, Sizes};
+use crate::gpu::scene::SceneData;
+use crate::kernels::{guided_lens, lens};
+use crate::report::statistics::Statistics;
+use crate::scene::Features;
+
+/// Perturbation passes after each structural one.
+const PERTURBATIONS: usize = 9;
+
+/// The mix of a method: guided and isotropic steps two to one, in a fixed rota that knows nothing of the states.
+pub fn mix(method: Method) -> Mix {
+    let guided = method == Method::Emlt;
+    let passes = (0..PERTURBATIONS)
+        .map(|i| if guided && i % 3 != 2 { &guided_lens::KERNEL } else { &lens::KERNEL })
+        .collect();
+    Mix { passes }
+}
+
+pub(super) fn render(
+    context: &Context,
+    features: Features,
+    data: &SceneData,
+    settings: &Settings,
+    observer: &mut dyn Observer,
+    mut statistics: Statistics,
+) -> crate::Result<Outcome> {
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    let channels = if settings.maps { 5 } else { 3 };
+    let mix = mix(settings.method);
+    let build = Build {
+        features,
+        max_edges: settings.max_depth,
+        maps: settings.maps,
+        seed: settings.seed,
+        paths: settings.ensemble,
+    };
+    let film_bytes = 8 * channels * pixels;
+    let mut run = Run::new(
+        context,
+        data,
+        Sizes {
+            chains: 16 * chain_rows(settings.max_depth) as u64 * u64::from(settings.ensemble),
+            lists: 4 * list_words(settings.ensemble, BATCH),
+            output: film_bytes.max(16 * u64::from(BATCH)),
+            counters: 4 * (COUNTER_WORDS * mix.kernels().len()) as u64,
+        },
+    )?;
+
+    observer.stage("compiling shaders");
+    let start = Instant::now();
+    run.compile(&bootstrap::variants(features, settings.max_depth))?;
+    run.compile(&build.variants(&mix))?;
+    statistics.compile_s = start.elapsed().as_secs_f64();
+
+    observer.stage("seeding");
+    let start = Instant::now();
+    let bootstrap = Start {
+        features,
+        max_edges: settings.max_depth,
+        seed: settings.seed,
+        paths: settings.ensemble,
+        film: [settings.width, settings.height],
+        observer,
+    }
+    .run(&mut run)?;
+    if bootstrap.largest_share > 0.01 {
+        statistics.notes.push(format!(
+            "one start candidate holds {:.1} % of all light: b and the start are uncertain, compare several seeds",
+            100.0 * bootstrap.largest_share
+        ));
+    }
+    run.clear(Buffer::Output);
+    run.clear(Buffer::Counters);
+    let mut ensemble = Ensemble::new(&mut run, build, mix, bootstrap)?;
+    statistics.seeding_s = start.elapsed().as_secs_f64();
+
+    observer.stage("rendering");
+    let start = Instant::now();
+    run.device_time = Default::default();
+    loop {
+        let share = match settings.budget {
+            Budget::SamplesPerPixel(n) => ensemble.mutations() as f64 / (f64::from(n) * pixels as f64),
+            Budget::Seconds(s) => start.elapsed().as_secs_f64() / s,
+        };
+        observer.progress(share.min(1.0));
+        if ensemble.mutations() > 0 {
+            if observer.stop_requested() {
+                statistics.interrupted = true;
+                break;
+            }
+            if share >= 1.0 {
+                break;
+            }
+        }
+        ensemble.half_sweep(&mut run)?;
+    }
+    statistics.render_s = start.elapsed().as_secs_f64();
+    statistics.host_share = 1.0 - run.device_time.as_secs_f64() / statistics.render_s.max(1e-9);
+    statistics.samples = ensemble.mutations();
+    statistics.rays = ensemble.rays();
+    statistics.kernels = ensemble.kernel_statistics();
+    statistics.b = Some(ensemble.b());
+
+    let bytes = run.read(Buffer::Output, &[0..film_bytes])?;
+    let film = Film { words: bytemuck::cast_slice(&bytes), channels: channels as usize };
+    statistics.integrity = Some(film.luminance() / ensemble.mutations() as f64 - 1.0);
+    let scale = ensemble.b().0 * pixels as f64 / ensemble.mutations() as f64;
+    let image = Image {
+        width: settings.width,
+        height: settings.height,
+        pixels: (0..pixels as usize)
+            .map(|p| [0, 1, 2].map(|c| (film.value(p, c) * scale) as f32))
+            .collect(),
+    };
+    let mut layers = Vec::new();
+    if settings.maps {
+        for (name, channel) in [("Maps.Horizontal", 3), ("Maps.Vertical", 4)] {
+            let values = (0..pixels as usize).map(|p| film.value(p, channel) as f32).collect();
+            layers.push(Channel { name: name.into(), values });
+        }
+    }
+    Ok(Outcome { image, channels: layers, statistics })
+}
+
+/// The integer film as the shaders leave it: low and high word per pixel and channel.
+struct Film<'a> {
+    words: &'a [u32],
+    channels: usize,
+}
+
+impl Film<'_> {
+    fn value(&self, pixel: usize, channel: usize) -> f64 {
+        let word = 2 * (pixel * self.channels + channel);
+        (f64::from(self.words[word]) + f64::from(self.words[word + 1]) * 2f64.powi(32)) / FILM_SCALE
+    }
+
+    /// Total splatted luminance: one per mutation if no weight is lost (METHOD.md 1.4).
+    fn luminance(&self) -> f64 {
+        let pixels = self.words.len() / (2 * self.channels);
+        (0..pixels)
+            .map(|p| {
+                0.2126 * self.value(p, 0) + 0.7152 * self.value(p, 1) + 0.0722 * self.value(p, 2)
+            })
+            .sum()
+    }
+}

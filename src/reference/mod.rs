@@ -1,0 +1,4 @@
+//! Host twins of shader functions.
+
+pub mod guide;
+pub mod rng;
