@@ -1,8 +1,14 @@
 //! The rendering methods: `pt`, `mlt` and `emlt` are mixes of the same parts.
 
+mod pt;
+
+use std::time::Instant;
+
 use crate::film::{Channel, Image};
+use crate::gpu::context::Context;
+use crate::gpu::scene::SceneData;
 use crate::report::statistics::Statistics;
-use crate::scene::Scene;
+use crate::scene::{Features, Scene};
 
 /// Which mix of parts renders the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, clap::ValueEnum)]
@@ -98,8 +104,22 @@ pub struct Outcome {
     pub statistics: Statistics,
 }
 
-/// Renders `scene` as `settings` say.
+/// Renders `scene` as `settings` say, on a device that it opens.
 pub fn render(scene: &Scene, settings: &Settings, observer: &mut dyn Observer) -> crate::Result<Outcome> {
-    let _ = (scene, settings, observer);
-    Err(crate::Error::runtime("rendering is not built yet"))
+    observer.stage("setting up");
+    let start = Instant::now();
+    let context = Context::open(settings.device.as_deref())?;
+    let camera = scene.camera(settings.camera.as_deref())?;
+    let data = SceneData::new(scene, camera, settings.width, settings.height)?;
+    let features = Features::of(scene);
+    let statistics = Statistics {
+        device: context.description.clone(),
+        software_device: context.software,
+        setup_s: start.elapsed().as_secs_f64(),
+        ..Statistics::default()
+    };
+    match settings.method {
+        Method::Pt => pt::render(&context, features, &data, settings, observer, statistics),
+        Method::Mlt | Method::Emlt => Err(crate::Error::runtime("not yet")),
+    }
 }

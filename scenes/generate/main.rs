@@ -1,0 +1,42 @@
+//! Generates every scene of the repository: `cargo run --release --example scenes`.
+//! Metres, +y up. The output depends on nothing but this code.
+
+mod ajar;
+mod checks;
+mod cornell;
+mod crockery;
+mod furniture;
+mod glb;
+mod implicit;
+mod mesh;
+mod random;
+mod shapes;
+mod shards;
+
+use std::path::Path;
+
+fn main() -> std::io::Result<()> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let scenes = [
+        ("scenes/cornell.glb", cornell::build()),
+        ("scenes/ajar.glb", ajar::build()),
+        ("scenes/shards.glb", shards::build()),
+        ("tests/scenes/coloured_box.glb", checks::coloured_box()),
+        ("tests/scenes/furnace.glb", checks::furnace()),
+        (
+            "tests/scenes/sphere_over_plane.glb",
+            checks::sphere_over_plane(),
+        ),
+    ];
+    for (path, scene) in scenes {
+        let triangles = scene.triangles();
+        let file = scene.finish();
+        println!("{path}: {triangles} triangles, {} bytes", file.len());
+        let path = root.join(path);
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)?;
+        }
+        std::fs::write(path, file)?;
+    }
+    Ok(())
+}

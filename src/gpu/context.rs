@@ -1,0 +1,95 @@
+//! The device: found, described, opened.
+
+use crate::{Error, Result};
+
+/// An open device with its queue.
+pub struct Context {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    /// Name and driver, for messages and metadata.
+    pub description: String,
+    /// True for a driver that renders on the CPU, such as lavapipe.
+    pub software: bool,
+}
+
+/// A device that could be opened.
+#[derive(Debug, Clone)]
+pub struct DeviceDescription {
+    pub name: String,
+    pub backend: String,
+    pub driver: String,
+    pub software: bool,
+}
+
+const NO_DEVICE: &str = "no Vulkan device was found: install a driver, for software rendering 'apt install libvulkan1 mesa-vulkan-drivers' (Debian, Ubuntu), 'dnf install vulkan-loader mesa-vulkan-drivers' (Fedora) or 'pacman -S vulkan-icd-loader vulkan-swrast' (Arch)";
+
+fn adapters() -> Vec<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: wgpu::Backends::VULKAN,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
+    // Fastest kind first; stable, so the loader's order decides among equals.
+    adapters.sort_by_key(|a| match a.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    });
+    adapters
+}
+
+fn describe(info: &wgpu::AdapterInfo) -> DeviceDescription {
+    DeviceDescription {
+        name: info.name.clone(),
+        backend: format!("{:?}", info.backend),
+        driver: format!("{} {}", info.driver, info.driver_info).trim().to_string(),
+        software: info.device_type == wgpu::DeviceType::Cpu,
+    }
+}
+
+/// Every device, the preferred one first.
+pub fn list() -> Vec<DeviceDescription> {
+    adapters().iter().map(|a| describe(&a.get_info())).collect()
+}
+
+impl Context {
+    /// Opens the first device whose name contains `name` (any case), or the preferred one.
+    pub fn open(name: Option<&str>) -> Result<Self> {
+        let adapters = adapters();
+        if adapters.is_empty() {
+            return Err(Error::runtime(NO_DEVICE));
+        }
+        let wanted = |a: &&wgpu::Adapter| {
+            name.is_none_or(|n| a.get_info().name.to_lowercase().contains(&n.to_lowercase()))
+        };
+        let adapter = adapters.iter().find(wanted).ok_or_else(|| {
+            let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
+            Error::input(format!(
+                "no device is called '{}': choose one of {}",
+                name.unwrap_or_default(),
+                names.join(", ")
+            ))
+        })?;
+        let offered = adapter.limits();
+        let limits = wgpu::Limits {
+            max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
+            max_buffer_size: offered.max_buffer_size,
+            ..wgpu::Limits::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("emlt"),
+            required_limits: limits,
+            ..Default::default()
+        }))
+        .map_err(|e| Error::runtime(format!("the device could not be opened: {e}")))?;
+        let description = describe(&adapter.get_info());
+        Ok(Self {
+            device,
+            queue,
+            description: format!("{} ({})", description.name, description.driver),
+            software: description.software,
+        })
+    }
+}

@@ -1,0 +1,151 @@
+//! Every struct that host and shaders share. Twins in `shaders/layout`; a test compares names, offsets and sizes.
+
+use bytemuck::{Pod, Zeroable};
+
+/// Twin of `SceneUniform` in shaders/layout/scene.wesl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+pub struct SceneUniform {
+    pub camera_position: [f32; 3],
+    pub pixel_area: f32,
+    pub camera_right: [f32; 3],
+    pub film_width: f32,
+    pub camera_up: [f32; 3],
+    pub film_height: f32,
+    pub camera_back: [f32; 3],
+    pub pixels_per_unit: f32,
+    pub sky: [f32; 3],
+    pub light_count: u32,
+    pub light_weight: f32,
+    pub lights_offset: u32,
+    pub triangle_count: u32,
+    pub padding: u32,
+}
+
+/// Twin of `PassUniform` in shaders/layout/run.wesl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+pub struct PassUniform {
+    pub seed: u32,
+    pub pass_index: u32,
+    pub stride: u32,
+    pub entries: u32,
+    pub entries_offset: u32,
+    pub nodes_offset: u32,
+    pub order_offset: u32,
+    pub similarity_median: f32,
+    pub similarity_scale: f32,
+    pub weight: f32,
+    pub counters_offset: u32,
+    pub padding: u32,
+}
+
+/// Columns of the strategy table: light-side vertices 0 .. 31.
+pub const STRATEGY_COLUMNS: usize = 32;
+/// Entries of the strategy table: edges 0 .. 31 times columns.
+pub const STRATEGY_ENTRIES: usize = 1024;
+
+/// Rows of the chain state before the vertices (`ROW_VERTICES`), and the row of the type key (`ROW_KEY`).
+pub const ROW_VERTICES: usize = 4;
+pub const ROW_KEY: usize = 3;
+
+/// Rows of vec4 that a chain with up to `max_edges` edges needs.
+pub fn chain_rows(max_edges: u32) -> usize {
+    ROW_VERTICES + 2 * max_edges as usize
+}
+
+/// Words of one kernel's counters, and which word counts what (`COUNTER_*`).
+pub const COUNTER_WORDS: usize = 8;
+pub const COUNTER_ACCEPTED: usize = 0;
+pub const COUNTER_NON_FINITE: usize = 1;
+pub const COUNTER_RAYS: usize = 2;
+pub const COUNTER_JUMP_LOW: usize = 3;
+pub const COUNTER_JUMP_HIGH: usize = 4;
+/// Counter units per px^2 of acceptance-weighted squared jump.
+pub const JUMP_SCALE: f64 = 16.0;
+
+/// Units per 1.0 of a film channel (`FILM_SCALE`).
+pub const FILM_SCALE: f64 = 4_194_304.0;
+
+/// Rows of vec4 a material takes in `tables` (`MATERIAL_ROWS`).
+pub const MATERIAL_ROWS: usize = 4;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::shader::{Variant, compose, validate};
+    use crate::scene::Features;
+    use naga::{Literal, TypeInner};
+    use std::mem::offset_of;
+
+    fn module(pass: &'static str) -> naga::Module {
+        let variant = Variant { pass, features: Features::default(), max_edges: 12, flags: vec![] };
+        validate(&compose(&variant).unwrap()).unwrap()
+    }
+
+    fn struct_of(module: &naga::Module, name: &str) -> (Vec<(String, u32)>, u32) {
+        module
+            .types
+            .iter()
+            .find_map(|(_, t)| match &t.inner {
+                TypeInner::Struct { members, span } if t.name.as_deref()?.ends_with(name) => {
+                    let members =
+                        members.iter().map(|m| (m.name.clone().unwrap(), m.offset)).collect();
+                    Some((members, *span))
+                }
+                _ => None,
+            })
+            .unwrap_or_else(|| panic!("no struct {name}"))
+    }
+
+    macro_rules! same_layout {
+        ($module:expr, $type:ident, $($field:ident),+ $(,)?) => {
+            let (members, span) = struct_of($module, stringify!($type));
+            let ours = vec![$((stringify!($field).to_string(), offset_of!($type, $field) as u32)),+];
+            assert_eq!(members, ours);
+            assert_eq!(span as usize, size_of::<$type>());
+        };
+    }
+
+    #[test]
+    fn structs_agree_with_the_shaders() {
+        let lens = module("lens");
+        same_layout!(
+            &lens, SceneUniform, camera_position, pixel_area, camera_right, film_width, camera_up,
+            film_height, camera_back, pixels_per_unit, sky, light_count, light_weight,
+            lights_offset, triangle_count, padding,
+        );
+        same_layout!(
+            &lens, PassUniform, seed, pass_index, stride, entries, entries_offset, nodes_offset,
+            order_offset, similarity_median, similarity_scale, weight, counters_offset, padding,
+        );
+        let (_, span) = struct_of(&module("weigh"), "StrategyUniform");
+        assert_eq!(span as usize, 4 * STRATEGY_ENTRIES);
+    }
+
+    #[test]
+    fn constants_agree_with_the_shaders() {
+        let lens = module("lens");
+        let value = |name: &str| {
+            let (_, c) = lens
+                .constants
+                .iter()
+                .find(|(_, c)| c.name.as_deref().is_some_and(|n| n.ends_with(name)))
+                .unwrap_or_else(|| panic!("no constant {name}"));
+            match lens.global_expressions[c.init] {
+                naga::Expression::Literal(Literal::U32(v)) => v as f64,
+                naga::Expression::Literal(Literal::F32(v)) => v as f64,
+                ref other => panic!("{name}: {other:?}"),
+            }
+        };
+        assert_eq!(value("ROW_VERTICES"), ROW_VERTICES as f64);
+        assert_eq!(value("ROW_KEY"), ROW_KEY as f64);
+        assert_eq!(value("COUNTER_ACCEPTED"), COUNTER_ACCEPTED as f64);
+        assert_eq!(value("COUNTER_NON_FINITE"), COUNTER_NON_FINITE as f64);
+        assert_eq!(value("COUNTER_RAYS"), COUNTER_RAYS as f64);
+        assert_eq!(value("COUNTER_JUMP_LOW"), COUNTER_JUMP_LOW as f64);
+        assert_eq!(value("COUNTER_JUMP_HIGH"), COUNTER_JUMP_HIGH as f64);
+        assert_eq!(value("FILM_SCALE"), FILM_SCALE);
+        assert_eq!(value("MATERIAL_ROWS"), MATERIAL_ROWS as f64);
+    }
+}

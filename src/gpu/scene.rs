@@ -1,0 +1,234 @@
+//! The scene on the device: normalised to the unit sphere, in leaf order, behind bind group 0.
+
+use glam::{DVec3, Vec3};
+use wgpu::util::DeviceExt;
+
+use super::context::Context;
+use super::layout::{MATERIAL_ROWS, SceneUniform};
+use crate::accel;
+use crate::scene::features::DELTA_ALPHA;
+use crate::scene::{Camera, Material, Scene};
+use crate::{Error, Result};
+
+/// Plain data of bind group 0, made without a device.
+#[derive(Debug, Clone)]
+pub struct SceneData {
+    pub uniform: SceneUniform,
+    pub nodes: Vec<[u32; 20]>,
+    /// v0, v1 - v0, v2 - v0 per triangle.
+    pub triangles: Vec<[f32; 4]>,
+    /// Octahedral normals and material per triangle.
+    pub shading: Vec<[u32; 4]>,
+    /// Materials, then the alias table.
+    pub tables: Vec<[u32; 4]>,
+}
+
+const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+
+impl SceneData {
+    /// Packs `scene` as seen by `camera` on a film of the given size in pixels.
+    pub fn new(scene: &Scene, camera: &Camera, width: u32, height: u32) -> Result<Self> {
+        let (centre, radius) = scene.bounding_sphere();
+        if !(radius > 0.0 && radius.is_finite()) {
+            return Err(Error::input(format!(
+                "{} has no extent: its triangles all lie in one point",
+                scene.name
+            )));
+        }
+        let normalised =
+            |p: Vec3| ((DVec3::from(p) - DVec3::from(centre)) / f64::from(radius)).as_vec3();
+        let positions: Vec<Vec3> = scene.positions.iter().map(|p| normalised(*p)).collect();
+        let corners: Vec<[Vec3; 3]> =
+            scene.triangles.iter().map(|t| t.map(|i| positions[i as usize])).collect();
+        let accel = accel::build(&corners)?;
+
+        let mut triangles = Vec::with_capacity(3 * corners.len());
+        let mut shading = Vec::with_capacity(corners.len());
+        for &source in &accel.order {
+            let [a, b, c] = corners[source as usize];
+            for v in [a, b - a, c - a] {
+                triangles.push([v.x, v.y, v.z, 0.0]);
+            }
+            let n = scene.triangles[source as usize]
+                .map(|i| encode_octahedral(scene.normals[i as usize]));
+            shading.push([n[0], n[1], n[2], scene.triangle_materials[source as usize]]);
+        }
+
+        let mut tables: Vec<[u32; 4]> = Vec::new();
+        for material in &scene.materials {
+            tables.extend(pack_material(material));
+        }
+        let lights_offset = tables.len() as u32;
+        let (weights, emitters) = light_weights(scene, &accel.order, &corners);
+        tables.extend(alias_table(&weights, &emitters));
+
+        let pixels_per_unit = 0.5 * height as f32 / (0.5 * camera.vertical_fov).tan();
+        let world_from_camera = camera.world_from_camera.matrix3;
+        let uniform = SceneUniform {
+            camera_position: normalised(camera.world_from_camera.translation.into()).into(),
+            pixel_area: 1.0 / (pixels_per_unit * pixels_per_unit),
+            camera_right: Vec3::from(world_from_camera.x_axis).normalize().into(),
+            film_width: width as f32,
+            camera_up: Vec3::from(world_from_camera.y_axis).normalize().into(),
+            film_height: height as f32,
+            camera_back: Vec3::from(world_from_camera.z_axis).normalize().into(),
+            pixels_per_unit,
+            sky: scene.sky.unwrap_or(Vec3::ZERO).into(),
+            light_count: emitters.len() as u32,
+            light_weight: weights.iter().sum::<f64>() as f32,
+            lights_offset,
+            triangle_count: corners.len() as u32,
+            padding: 0,
+        };
+        Ok(Self { uniform, nodes: accel.nodes, triangles, shading, tables })
+    }
+}
+
+/// Two 16-bit signed normalised octahedral coordinates (Cigolle et al. 2014); twin of `decode_octahedral`.
+fn encode_octahedral(n: Vec3) -> u32 {
+    let sum = n.x.abs() + n.y.abs() + n.z.abs();
+    let (mut x, mut y) = (n.x / sum, n.y / sum);
+    if n.z < 0.0 {
+        (x, y) = ((1.0 - y.abs()) * x.signum(), (1.0 - x.abs()) * y.signum());
+    }
+    let snorm = |v: f32| ((v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16) as u32;
+    snorm(x) | (snorm(y) << 16)
+}
+
+/// Four rows as `material_at` in shaders/bsdf/material.wesl reads them.
+fn pack_material(m: &Material) -> [[u32; 4]; MATERIAL_ROWS] {
+    let reflectance = ((m.ior - 1.0) / (m.ior + 1.0)).powi(2);
+    let f0 = (reflectance * m.specular_color).min(Vec3::ONE) * m.specular;
+    let mut alpha = m.roughness * m.roughness;
+    // Rough transmission is rendered smooth, and near-deltas are deltas.
+    if alpha < DELTA_ALPHA || m.transmission > 0.0 {
+        alpha = 0.0;
+    }
+    let sides = if m.double_sided { 2.0 } else { 1.0 };
+    let thin = if m.thin { 1.0 } else { 0.0 };
+    [
+        [m.base_color.x, m.base_color.y, m.base_color.z, m.metallic],
+        [f0.x, f0.y, f0.z, m.specular],
+        [m.emission.x, m.emission.y, m.emission.z, alpha],
+        [m.transmission, m.ior, thin, sides],
+    ]
+    .map(|row| row.map(f32::to_bits))
+}
+
+/// Selection weight (area * sides * luminance) and leaf position of every emissive triangle.
+fn light_weights(scene: &Scene, order: &[u32], corners: &[[Vec3; 3]]) -> (Vec<f64>, Vec<u32>) {
+    let mut weights = Vec::new();
+    let mut emitters = Vec::new();
+    for (leaf, &source) in order.iter().enumerate() {
+        let material = &scene.materials[scene.triangle_materials[source as usize] as usize];
+        let luminance = material.emission.dot(LUMINANCE);
+        if luminance > 0.0 {
+            let [a, b, c] = corners[source as usize];
+            let area = 0.5 * f64::from((b - a).cross(c - a).length());
+            let sides = if material.double_sided { 2.0 } else { 1.0 };
+            weights.push(area * sides * f64::from(luminance));
+            emitters.push(leaf as u32);
+        }
+    }
+    (weights, emitters)
+}
+
+/// Rows (threshold, own triangle, other triangle, 0) of an alias table (Walker 1977; Vose 1991).
+fn alias_table(weights: &[f64], emitters: &[u32]) -> Vec<[u32; 4]> {
+    let n = weights.len();
+    let total: f64 = weights.iter().sum();
+    let mut share: Vec<f64> = weights.iter().map(|w| w * n as f64 / total).collect();
+    let mut rows: Vec<[u32; 4]> = emitters.iter().map(|&e| [1f32.to_bits(), e, e, 0]).collect();
+    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| share[i] < 1.0);
+    while let (Some(s), Some(&l)) = (small.pop(), large.last()) {
+        rows[s] = [(share[s] as f32).to_bits(), emitters[s], emitters[l], 0];
+        share[l] -= 1.0 - share[s];
+        if share[l] < 1.0 {
+            large.pop();
+            small.push(l);
+        }
+    }
+    rows
+}
+
+/// Bind group 0 on a device.
+pub struct GpuScene {
+    pub layout: wgpu::BindGroupLayout,
+    pub group: wgpu::BindGroup,
+}
+
+impl GpuScene {
+    /// Uploads `data`; an error if a part exceeds what the device can bind.
+    pub fn new(context: &Context, data: &SceneData) -> Result<Self> {
+        let device = &context.device;
+        let parts: [(&str, &[u8]); 4] = [
+            ("search tree", bytemuck::cast_slice(&data.nodes)),
+            ("triangles", bytemuck::cast_slice(&data.triangles)),
+            ("normals", bytemuck::cast_slice(&data.shading)),
+            ("materials", bytemuck::cast_slice(&data.tables)),
+        ];
+        let limit = device.limits().max_storage_buffer_binding_size;
+        for (what, bytes) in parts {
+            if bytes.len() as u64 > limit {
+                return Err(Error::input(format!(
+                    "the scene's {what} take {} MiB and this device binds at most {} MiB: use fewer triangles or another device",
+                    bytes.len() >> 20,
+                    limit >> 20
+                )));
+            }
+        }
+        let buffer = |label, usage, contents| {
+            device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+        };
+        let uniform =
+            buffer("scene", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(&data.uniform));
+        let storage = parts.map(|(label, bytes)| buffer(label, wgpu::BufferUsages::STORAGE, bytes));
+        let mut kinds = vec![wgpu::BufferBindingType::Uniform];
+        kinds.extend([wgpu::BufferBindingType::Storage { read_only: true }; 4]);
+        let layout = super::buffer_layout(device, "scene", &kinds, None);
+        let group = super::buffer_group(
+            device,
+            &layout,
+            &[&uniform, &storage[0], &storage[1], &storage[2], &storage[3]],
+            None,
+        );
+        Ok(Self { layout, group })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn alias_table_gives_the_weights_back() {
+        let weights = [3.0, 0.5, 0.25, 7.0, 1.25];
+        let emitters = [10, 11, 12, 13, 14];
+        let mut mass = [0.0f64; 5];
+        for row in alias_table(&weights, &emitters) {
+            let keep = f64::from(f32::from_bits(row[0]));
+            mass[row[1] as usize - 10] += keep / 5.0;
+            mass[row[2] as usize - 10] += (1.0 - keep) / 5.0;
+        }
+        for (m, w) in mass.iter().zip(weights) {
+            assert!((m - w / 12.0).abs() < 1e-6, "{mass:?}");
+        }
+    }
+
+    #[test]
+    fn octahedral_code_keeps_directions() {
+        for i in 0..2000 {
+            let (a, z) = (i as f32 * 2.399_963, 1.0 - (i as f32 + 0.5) / 1000.0);
+            let r = (1.0 - z * z).sqrt();
+            let n = Vec3::new(r * a.cos(), r * a.sin(), z);
+            let word = encode_octahedral(n);
+            let x = ((word & 0xffff) as u16 as i16) as f32 / 32767.0;
+            let y = ((word >> 16) as u16 as i16) as f32 / 32767.0;
+            let mut v = Vec3::new(x, y, 1.0 - x.abs() - y.abs());
+            let t = (-v.z).max(0.0);
+            v.x += if v.x >= 0.0 { -t } else { t };
+            v.y += if v.y >= 0.0 { -t } else { t };
+            assert!((v.normalize() - n).length() < 1e-4, "{n} {v}");
+        }
+    }
+}

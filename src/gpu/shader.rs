@@ -1,0 +1,177 @@
+//! Shader composition: from the WESL modules under `shaders/` to one WGSL text per pipeline, with only what the scene and
+//! the pass need. The only file that names the composer.
+
+use std::borrow::Cow;
+
+use include_dir::{Dir, include_dir};
+use wesl::{CompileOptions, Feature, ModulePath, VirtualResolver, Wesl};
+
+use crate::scene::Features;
+
+static SOURCES: Dir = include_dir!("$CARGO_MANIFEST_DIR/shaders");
+
+/// What one pipeline's shader is compiled for. A flag of any other name is an error.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Variant {
+    /// File stem under `shaders/passes`.
+    pub pass: &'static str,
+    pub features: Features,
+    /// Private arrays and loops are bounded by it.
+    pub max_edges: u32,
+    /// Flags of the pass itself, out of [`PASS_FLAGS`].
+    pub flags: Vec<&'static str>,
+}
+
+/// Guides per look-up, M of the supplement.
+pub const GUIDES: u32 = 16;
+
+/// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
+/// instead of splats, and deliberately wrong kernels that the tests must catch.
+pub const PASS_FLAGS: [&str; 9] = [
+    "guided",
+    "maps",
+    "candidates",
+    "probe",
+    "probe_back",
+    "probe_still",
+    "twin_one_sided",
+    "twin_id",
+    "twin_redraw",
+];
+
+/// The WGSL text of `variant`. Fails only on a fault of the shader sources, with the composer's words.
+pub fn compose(variant: &Variant) -> Result<String, String> {
+    let mut resolver = VirtualResolver::new();
+    add_modules(&SOURCES, &mut resolver)?;
+    let constants = format!(
+        "const MAX_EDGES: u32 = {}u;\nconst GUIDES: u32 = {GUIDES}u;\n",
+        variant.max_edges
+    );
+    resolver.add_module(module_path("specialised")?, Cow::Owned(constants));
+    let mut options = CompileOptions::default();
+    options.features.default = Feature::Error;
+    for (name, value) in variant.features.flags() {
+        options.features.flags.insert(name.into(), value.into());
+    }
+    for name in &variant.flags {
+        if !PASS_FLAGS.contains(name) {
+            return Err(format!("unknown shader flag '{name}'"));
+        }
+    }
+    for name in PASS_FLAGS {
+        options.features.flags.insert(name.into(), variant.flags.contains(&name).into());
+    }
+    let mut compiler = Wesl::new_barebones().set_custom_resolver(resolver);
+    compiler.set_options(options);
+    compiler.set_mangler(wesl::ManglerKind::Escape);
+    compiler
+        .compile(&module_path(&format!("passes::{}", variant.pass))?)
+        .map(|result| result.to_string())
+        .map_err(|error| format!("{}: {error}", variant.pass))
+}
+
+fn module_path(inside: &str) -> Result<ModulePath, String> {
+    format!("package::{inside}").parse().map_err(|error| format!("{inside}: {error}"))
+}
+
+fn add_modules<'a>(dir: &Dir<'a>, resolver: &mut VirtualResolver<'a>) -> Result<(), String> {
+    for file in dir.files() {
+        let inside = file.path().with_extension("");
+        let inside = inside.to_str().unwrap_or_default().replace(['/', '\\'], "::");
+        let text = file.contents_utf8().ok_or_else(|| format!("{inside} is not UTF-8"))?;
+        resolver.add_module(module_path(&inside)?, Cow::Borrowed(text));
+    }
+    dir.dirs().try_for_each(|sub| add_modules(sub, resolver))
+}
+
+/// Parses and validates WGSL with naga, without a device.
+pub fn validate(wgsl: &str) -> Result<naga::Module, String> {
+    let module = naga::front::wgsl::parse_str(wgsl).map_err(|e| e.emit_to_string(wgsl))?;
+    naga::valid::Validator::new(
+        naga::valid::ValidationFlags::all(),
+        naga::valid::Capabilities::IMMEDIATES,
+    )
+    .validate(&module)
+    .map_err(|e| e.emit_to_string(wgsl))?;
+    Ok(module)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every combination of features and every flag set that the renderer or its tests use.
+    #[test]
+    fn every_shader_of_every_feature_set_validates() {
+        let flag_sets: [(&str, &[&[&str]]); 6] = [
+            ("bootstrap", &[&["candidates"], &[]]),
+            ("weigh", &[&[], &["probe"]]),
+            ("independence", &[&[], &["maps"]]),
+            ("rest", &[&[], &["maps"]]),
+            ("path_trace", &[&[]]),
+            (
+                "lens",
+                &[
+                    &[],
+                    &["maps"],
+                    &["guided"],
+                    &["guided", "maps"],
+                    &["probe"],
+                    &["probe", "guided"],
+                    &["probe", "probe_back"],
+                    &["probe", "guided", "probe_back"],
+                    &["probe", "probe_still"],
+                    &["probe", "guided", "probe_still"],
+                    &["guided", "twin_one_sided"],
+                    &["guided", "twin_id"],
+                    &["guided", "twin_redraw"],
+                ],
+            ),
+        ];
+        for bits in 0..16u32 {
+            let features = Features {
+                glossy: bits & 1 != 0,
+                mirror: bits & 2 != 0,
+                glass: bits & 4 != 0,
+                sky: bits & 8 != 0,
+            };
+            if features.glass && !features.mirror {
+                continue; // glass reflects, so it always brings the mirror class
+            }
+            for (pass, sets) in flag_sets {
+                for flags in sets {
+                    let variant = Variant { pass, features, max_edges: 12, flags: flags.to_vec() };
+                    let text = compose(&variant).unwrap_or_else(|e| panic!("{variant:?}: {e}"));
+                    validate(&text).unwrap_or_else(|e| panic!("{variant:?}: {e}"));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_unknown_flag_is_an_error() {
+        let variant =
+            Variant { pass: "rest", features: Features::default(), max_edges: 12, flags: vec!["gided"] };
+        assert!(compose(&variant).unwrap_err().contains("gided"));
+    }
+
+    /// The composer misreads hexadecimal floats.
+    #[test]
+    fn no_shader_has_a_hexadecimal_float() {
+        fn check(dir: &Dir) {
+            for file in dir.files() {
+                let text = file.contents_utf8().unwrap();
+                for (n, line) in text.lines().enumerate() {
+                    let hex_float = line.split("0x").skip(1).any(|rest| {
+                        rest.split(|c: char| !c.is_ascii_alphanumeric() && c != '.')
+                            .next()
+                            .is_some_and(|word| word.contains('p') || word.contains('.'))
+                    });
+                    assert!(!hex_float, "{}:{}", file.path().display(), n + 1);
+                }
+            }
+            dir.dirs().for_each(check);
+        }
+        check(&SOURCES);
+    }
+}
