@@ -6,8 +6,10 @@
 mod info;
 mod render;
 
+use std::env;
 use std::io::{self, Write};
 use std::panic;
+use std::path::Path;
 use std::process::{self, ExitCode};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -33,6 +35,7 @@ enum Command {
 /// Runs the program on this process's arguments.
 pub fn main() -> ExitCode {
     panic::set_hook(Box::new(report_panic));
+    silence_device_select();
     let done = match Cli::try_parse() {
         Ok(cli) => match cli.command {
             Command::Render(arguments) => render::run(&arguments),
@@ -49,6 +52,17 @@ pub fn main() -> ExitCode {
             say("error", &error.to_string());
             ExitCode::from(error.exit_status())
         }
+    }
+}
+
+/// Keeps Mesa's device-select layer out where no desktop session runs: it looks for one and then says
+/// "error: XDG_RUNTIME_DIR is invalid or not set" on our standard error. emlt chooses its device itself.
+fn silence_device_select() {
+    let session =
+        env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).is_absolute());
+    if !session && env::var_os("NODEVICE_SELECT").is_none() {
+        // SAFETY: this is the start of the program, so no other thread reads the environment.
+        unsafe { env::set_var("NODEVICE_SELECT", "1") };
     }
 }
 

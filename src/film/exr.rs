@@ -41,7 +41,7 @@ pub struct ExrFile {
     pub height: u32,
     /// Named `LAYER.CHANNEL` where the file has named layers; sorted as in the file.
     pub channels: Vec<Channel>,
-    /// Text and numbers among the header's attributes, sorted by name.
+    /// Text and numbers among the header's attributes, those that EXR itself defines left out; sorted by name.
     pub attributes: Vec<(String, Attribute)>,
 }
 
@@ -81,7 +81,7 @@ impl ExrFile {
 
 /// Writes `image` as R, G, B with further `channels` of the same size, and `attributes` in the header.
 ///
-/// The same arguments give the same bytes. Panics where a channel's length is not the image's.
+/// The same arguments give the same bytes. Names that EXR reserves, `version` among them, are an error. Panics where a channel's length is not the image's.
 pub fn write(
     path: &Path,
     image: &Image,
@@ -259,7 +259,7 @@ mod tests {
             .collect();
         let (width, height) = (37, 19);
         let value = |i: usize| {
-            if i % 5 == 0 {
+            if i.is_multiple_of(5) {
                 odd[(i / 5) % odd.len()]
             } else {
                 (i as f32).sin()

@@ -66,12 +66,12 @@ fn create(path: &Path) -> io::Result<File> {
 
 fn sentence(path: &Path, error: &io::Error) -> String {
     let shown = path.display();
-    let folder = match path.parent() {
-        Some(parent) if parent != Path::new("") => parent.display().to_string(),
-        _ => "the current folder".to_string(),
-    };
+    let parent = path.parent().filter(|p| *p != Path::new(""));
+    let folder = parent.map_or("the current folder".into(), |p| p.display().to_string());
     match error.kind() {
-        io::ErrorKind::NotFound => format!("cannot write {shown}: there is no folder {folder}"),
+        io::ErrorKind::NotFound if parent.is_some_and(|p| !p.is_dir()) => {
+            format!("cannot write {shown}: there is no folder {folder}")
+        }
         io::ErrorKind::NotADirectory => format!("cannot write {shown}: {folder} is not a folder"),
         io::ErrorKind::IsADirectory => format!("cannot write {shown}: it is a folder"),
         io::ErrorKind::PermissionDenied => {

@@ -24,10 +24,8 @@ pub fn attributes(
         (samples, (statistics.samples as f64).into()),
         ("seconds", statistics.render_s.into()),
         ("device", statistics.device.as_str().into()),
-        (
-            "version",
-            concat!("emlt ", env!("CARGO_PKG_VERSION")).into(),
-        ),
+        // EXR reserves plain `version`.
+        ("emltVersion", env!("CARGO_PKG_VERSION").into()),
     ];
     if let Some((b, standard_error)) = statistics.b {
         list.push(("b", b.into()));
@@ -57,6 +55,7 @@ fn kernel_mix(statistics: &Statistics) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::{Image, exr};
     use crate::report::statistics::KernelStatistics;
 
     fn value<'a>(list: &'a [(String, Attribute)], name: &str) -> Option<&'a Attribute> {
@@ -108,6 +107,34 @@ mod tests {
         assert_eq!(value(&list, "samples"), Some(&7.0.into()));
         for absent in ["mutations", "b", "bStandardError", "kernelMix", "ensemble"] {
             assert_eq!(value(&list, absent), None, "{absent}");
+        }
+    }
+
+    /// EXR reserves some names; a render must not be lost to one of them.
+    #[test]
+    fn the_attributes_survive_a_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        let image = Image {
+            width: 1,
+            height: 1,
+            pixels: vec![[1.0; 3]],
+        };
+        let statistics = Statistics {
+            device: "d".repeat(300),
+            b: Some((0.5, 0.01)),
+            kernels: vec![KernelStatistics::default()],
+            ..Default::default()
+        };
+        for method in [Method::Pt, Method::Emlt] {
+            let settings = Settings {
+                method,
+                ..Default::default()
+            };
+            let mut list = attributes(&Scene::default(), &settings, &statistics);
+            exr::write(&path, &image, &[], &list).unwrap();
+            list.sort_by(|a, b| a.0.cmp(&b.0));
+            assert_eq!(exr::read(&path).unwrap().attributes, list);
         }
     }
 }

@@ -1,0 +1,168 @@
+//! What the commands print and write when all is well.
+
+use std::process::{Command, Stdio};
+
+use assert_cmd::cargo::cargo_bin;
+
+use crate::place::Place;
+
+#[test]
+fn help_and_version() {
+    let place = Place::new();
+    for arguments in [
+        &["--help"][..],
+        &["help"],
+        &["render", "--help"],
+        &["info", "--help"],
+    ] {
+        let output = place.run(arguments);
+        assert_eq!(output.status.code(), Some(0));
+        assert!(String::from_utf8_lossy(&output.stdout).contains("Usage:"));
+        assert!(output.stderr.is_empty());
+    }
+    let output = place.run(&["--version"]);
+    assert_eq!(output.status.code(), Some(0));
+    let version = concat!("emlt ", env!("CARGO_PKG_VERSION"), "\n");
+    assert_eq!(String::from_utf8_lossy(&output.stdout), version);
+}
+
+#[test]
+fn info_describes_the_scene() {
+    let place = Place::new();
+    let output = place.run(&["info", "scene.gltf"]);
+    assert_eq!(output.status.code(), Some(0));
+    let said = String::from_utf8_lossy(&output.stdout);
+    for words in ["triangles  1 ", "'light'", "'Main'", "1 emissive", "radius"] {
+        assert!(said.contains(words), "{words:?} is not in:\n{said}");
+    }
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let place = Place::new();
+    let mut child = Command::new(cargo_bin("emlt"))
+        .args(["info", "scene.gltf"])
+        .current_dir(place.folder.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert!(
+        output.stderr.is_empty(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
+#[test]
+fn a_quiet_render_leaves_an_image_and_its_preview() {
+    let place = Place::new();
+    let arguments = [
+        "render",
+        "scene.gltf",
+        "--method",
+        "pt",
+        "--size",
+        "12x8",
+        "--spp",
+        "2",
+        "--seed",
+        "5",
+        "--quiet",
+    ];
+    let output = place.run(&arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(output.stdout.is_empty() && said.is_empty(), "{said}");
+    assert_eq!(place.files(), ["scene.exr", "scene.gltf", "scene.png"]);
+    let file = emlt::film::exr::read(&place.path("scene.exr")).unwrap();
+    assert_eq!((file.width, file.height), (12, 8));
+    assert_eq!(file.attribute("seed"), Some(&5.0.into()));
+    assert_eq!(file.attribute("samples"), Some(&(12.0 * 8.0 * 2.0).into()));
+    assert_eq!(file.attribute("method"), Some(&"pt".into()));
+}
+
+#[test]
+fn maps_are_written_when_asked_for() {
+    let place = Place::new();
+    let output = place.run(&[
+        "render",
+        "scene.gltf",
+        "-o",
+        "a.exr",
+        "--size",
+        "12x8",
+        "--spp",
+        "16",
+        "--ensemble",
+        "256",
+        "--maps",
+    ]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(output.stdout.is_empty());
+    for words in [
+        "device ",
+        "mutations ",
+        "written     a.exr",
+        "written     a.maps.png",
+    ] {
+        assert!(said.contains(words), "{words:?} is not in:\n{said}");
+    }
+    assert_eq!(
+        place.files(),
+        ["a.exr", "a.maps.png", "a.png", "scene.gltf"]
+    );
+    let file = emlt::film::exr::read(&place.path("a.exr")).unwrap();
+    for name in ["Maps.Horizontal", "Maps.Vertical"] {
+        assert!(file.channel(name).is_some(), "{name}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_keeps_the_image() {
+    use std::time::{Duration, Instant};
+    let place = Place::new();
+    let mut child = Command::new(cargo_bin("emlt"))
+        .args([
+            "render",
+            "scene.gltf",
+            "--method",
+            "pt",
+            "--size",
+            "12x8",
+            "--time",
+            "600",
+        ])
+        .current_dir(place.folder.path())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Long enough to have loaded this scene, after which an interrupt is caught.
+    std::thread::sleep(Duration::from_secs(2));
+    let interrupt = format!("kill -INT {}", child.id());
+    assert!(
+        Command::new("sh")
+            .args(["-c", &interrupt])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let asked = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if asked.elapsed() > Duration::from_secs(120) {
+            child.kill().unwrap();
+            panic!("the render did not stop");
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(said.contains("interrupted "), "{said}");
+    assert_eq!(place.files(), ["scene.exr", "scene.gltf", "scene.png"]);
+}

@@ -1,0 +1,153 @@
+//! Bad usage, bad files, no device: one sentence, the right exit status, nothing left behind.
+
+use std::fs;
+use std::path::Path;
+
+use crate::place::{Place, check_failure};
+
+#[test]
+fn bad_usage() {
+    let place = Place::new();
+    place.refuses(&[], 2, "no command given");
+    place.refuses(&["paint"], 2, "paint");
+    place.refuses(&["render"], 2, "<SCENE>");
+    place.refuses(&["info"], 2, "<SCENE>");
+    for (flags, words) in [
+        (&["--size", "big"][..], "640x480"),
+        (&["--size", "0x10"], "640x480"),
+        (&["--size", "10x-5"], "640x480"),
+        (&["--size", "999999x999999"], "640x480"),
+        (&["--spp", "0"], "--spp"),
+        (&["--spp", "-4"], "-4"),
+        (&["--spp", "some"], "--spp"),
+        (&["--spp", "4", "--time", "1"], "cannot be used with"),
+        (&["--time", "0"], "seconds"),
+        (&["--time", "nan"], "seconds"),
+        (&["--seed", "-1"], "-1"),
+        (&["--max-depth", "0"], "--max-depth"),
+        (&["--max-depth", "32"], "--max-depth"),
+        (&["--ensemble", "17"], "even"),
+        (&["--ensemble", "8"], "even"),
+        (&["--method", "best"], "pt"),
+        (&["--maps", "--method", "pt"], "--maps"),
+        (&["--camera"], "--camera"),
+        (&["--sead", "1"], "--seed"),
+        (&["another.glb"], "another.glb"),
+    ] {
+        place.refuses(&[&["render", "scene.gltf"], flags].concat(), 2, words);
+    }
+}
+
+#[test]
+fn bad_scene_files() {
+    let place = Place::new();
+    fs::create_dir(place.path("folder.glb")).unwrap();
+    fs::write(place.path("empty.glb"), "").unwrap();
+    fs::write(place.path("text.glb"), "A letter, not a scene.\n").unwrap();
+    fs::write(place.path("text.gltf"), "A letter, not a scene.\n").unwrap();
+    // A header that promises more than there is.
+    let mut truncated = b"glTF\x02\0\0\0\0\x10\0\0\0\x08\0\0JSON".to_vec();
+    truncated.extend_from_slice(br#"{"asset":{"version":"2.0"},"sce"#);
+    fs::write(place.path("truncated.glb"), truncated).unwrap();
+    let whole = fs::read(place.path("scene.gltf")).unwrap();
+    fs::write(place.path("truncated.gltf"), &whole[..whole.len() / 2]).unwrap();
+    for scene in [
+        "absent.glb",
+        "absent/scene.glb",
+        "folder.glb",
+        "empty.glb",
+        "text.glb",
+        "text.gltf",
+        "truncated.glb",
+        "truncated.gltf",
+    ] {
+        // Named by its file name at least, whatever else the sentence says.
+        let name = Path::new(scene).file_name().unwrap().to_str().unwrap();
+        place.refuses(&["info", scene], 2, name);
+        place.refuses(&["render", scene], 2, name);
+    }
+}
+
+#[test]
+fn bad_output_paths() {
+    let place = Place::new();
+    fs::create_dir(place.path("folder.exr")).unwrap();
+    fs::create_dir_all(place.path("taken/a.png")).unwrap();
+    for (output, words) in [
+        ("folder.exr", "is a folder"),
+        (".", "is a folder"),
+        ("absent/a.exr", "no folder absent"),
+        ("scene.gltf/a.exr", "not a folder"),
+        ("a.png", "must end in .exr"),
+        ("a", "must end in .exr"),
+        // The preview's place is taken.
+        ("taken/a.exr", "is a folder"),
+    ] {
+        place.refuses(&["render", "scene.gltf", "-o", output], 2, words);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_output_folder_without_permission() {
+    use std::os::unix::fs::PermissionsExt;
+    let place = Place::new();
+    let folder = place.path("locked");
+    fs::create_dir(&folder).unwrap();
+    fs::set_permissions(&folder, fs::Permissions::from_mode(0o555)).unwrap();
+    if fs::write(folder.join("probe"), "").is_ok() {
+        // The superuser may write anywhere, so there is nothing to refuse.
+        return;
+    }
+    place.refuses(
+        &["render", "scene.gltf", "-o", "locked/a.exr"],
+        2,
+        "no permission",
+    );
+}
+
+#[test]
+fn an_existing_image_survives_a_failure() {
+    let place = Place::new();
+    fs::write(place.path("a.exr"), "precious").unwrap();
+    place.refuses(&["render", "absent.glb", "-o", "a.exr"], 2, "absent.glb");
+    assert_eq!(fs::read(place.path("a.exr")).unwrap(), b"precious");
+}
+
+#[test]
+fn an_unknown_camera() {
+    let place = Place::new();
+    place.refuses(
+        &["render", "scene.gltf", "--camera", "Nobody's"],
+        2,
+        "choose one of Main",
+    );
+}
+
+#[test]
+fn no_vulkan_device() {
+    let place = Place::new();
+    let before = place.files();
+    let mut command = place.command(&["render", "scene.gltf", "--size", "8x8", "--spp", "1"]);
+    for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
+        command.env(variable, "/nonexistent");
+    }
+    check_failure(&command.output().unwrap(), 1, "mesa-vulkan-drivers");
+    assert_eq!(place.files(), before);
+}
+
+#[test]
+fn an_unknown_device() {
+    let place = Place::new();
+    let arguments = [
+        "render",
+        "scene.gltf",
+        "--size",
+        "8x8",
+        "--spp",
+        "1",
+        "--device",
+        "abacus",
+    ];
+    place.refuses(&arguments, 2, "abacus");
+}
