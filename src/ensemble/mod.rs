@@ -1,0 +1,3 @@
+//! The ensemble: the pool of guides built from one half, and what is computed from it while it is frozen.
+
+pub mod pool;

@@ -1,0 +1,453 @@
+//! The pool: one half of the ensemble, sorted by path type into flat index buffers.
+//!
+//! The supplement (section 3) describes a tree of three levels: all paths, paths of one length, paths of one
+//! type string. Here every node of that tree is a range of one sorted array, [`Pool::order`]. The same order
+//! serves as guide pool when the other half moves and as dispatch list when this half moves.
+
+use std::collections::BTreeMap;
+
+/// Longest path that a [`TypeKey`] can name, in edges: 31 interior vertices of two bits and the sentinel.
+pub const MAX_EDGES: u32 = 32;
+
+/// What happens at an interior vertex of a path (METHOD.md section 0).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Tag {
+    /// D: connectable scattering.
+    Diffuse = 0,
+    /// S: specular reflection.
+    Reflection = 1,
+    /// S: specular transmission.
+    Transmission = 2,
+}
+
+/// The type string of a path: its length and the tags of its interior vertices.
+///
+/// A path of k edges has k - 1 interior vertices; vertex i = 1 is next to the light. The tag of vertex i sits
+/// at bits 2(i-1), and a sentinel 1 at bit 2(k-1) marks the length, so that order by value is order by length first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(transparent)]
+pub struct TypeKey(u64);
+
+impl TypeKey {
+    /// The key of a path of `edges` edges (1 to [`MAX_EDGES`]) with packed `tags`, two bits a vertex.
+    ///
+    /// # Panics
+    /// If `edges` is out of range or `tags` has bits beyond the interior vertices: both are bugs of the caller.
+    pub fn new(edges: u32, tags: u64) -> Self {
+        assert!(
+            (1..=MAX_EDGES).contains(&edges),
+            "a path has 1 to {MAX_EDGES} edges, not {edges}"
+        );
+        let sentinel = 1u64 << (2 * (edges - 1));
+        assert!(tags < sentinel, "more tags than interior vertices");
+        Self(sentinel | tags)
+    }
+
+    /// The key of a path with these interior vertices, from the light to the camera.
+    pub fn from_tags(tags: &[Tag]) -> Self {
+        let packed = tags
+            .iter()
+            .enumerate()
+            .take(MAX_EDGES as usize)
+            .map(|(i, &tag)| (tag as u64) << (2 * i));
+        Self::new(tags.len() as u32 + 1, packed.sum())
+    }
+
+    /// A key from its value; `None` if no path has it (zero, or a sentinel at an odd bit).
+    pub fn from_bits(bits: u64) -> Option<Self> {
+        (bits != 0 && bits.ilog2().is_multiple_of(2)).then_some(Self(bits))
+    }
+
+    /// A key from the two words of a shader, low word first; `None` if no path has it.
+    pub fn from_words([low, high]: [u32; 2]) -> Option<Self> {
+        Self::from_bits(u64::from(high) << 32 | u64::from(low))
+    }
+
+    /// The value: order by it is order by length first.
+    pub fn bits(self) -> u64 {
+        self.0
+    }
+
+    /// The two words a shader sees, low word first.
+    pub fn words(self) -> [u32; 2] {
+        [self.0 as u32, (self.0 >> 32) as u32]
+    }
+
+    /// Path length in edges.
+    pub fn edges(self) -> u32 {
+        self.0.ilog2() / 2 + 1
+    }
+
+    /// The two tag bits of interior vertex `i`, 1 (next to the light) to `edges() - 1` (next to the camera).
+    pub fn tag_bits(self, i: u32) -> u32 {
+        debug_assert!(
+            (1..self.edges()).contains(&i),
+            "vertex {i} is not an interior vertex"
+        );
+        (self.0 >> (2 * (i - 1))) as u32 & 3
+    }
+
+    /// True if interior vertex `i` is connectable (tag D).
+    pub fn is_diffuse(self, i: u32) -> bool {
+        self.tag_bits(i) == Tag::Diffuse as u32
+    }
+}
+
+/// A range of [`Pool::order`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct NodeRange {
+    pub offset: u32,
+    pub count: u32,
+}
+
+impl NodeRange {
+    /// How many guides a look-up for `guides` of them returns: all members if there are no more.
+    pub fn guide_count(self, guides: u32) -> u32 {
+        guides.min(self.count)
+    }
+
+    fn indices(self) -> std::ops::Range<usize> {
+        self.offset as usize..(self.offset + self.count) as usize
+    }
+}
+
+/// The paths of one length.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LengthNode {
+    pub edges: u32,
+    pub range: NodeRange,
+}
+
+/// The paths of one type string.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TypeNode {
+    pub key: TypeKey,
+    pub range: NodeRange,
+}
+
+/// The deterministic look-up of the supplement (section 3): member number (id + o) mod count of a node, o = 1..=M.
+///
+/// Computed as ((id mod count) + o) mod count: id + o may pass 2^32, and since 2^32 is no multiple of `count` in
+/// general the wrapped sum would jump to another place, so that a set could hold the same member twice.
+/// With o <= count <= 2^31 the sum cannot wrap.
+///
+/// `id` is a function of path index and mutation number only (METHOD.md 3.2), one for all look-ups of a mutation.
+pub fn select(id: u32, o: u32, count: u32) -> u32 {
+    debug_assert!(count > 0 && count <= 1 << 31 && o <= count);
+    ((id % count) + o) % count
+}
+
+/// One half of the ensemble, sorted by type.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Pool {
+    /// Path indices, sorted by key, then by index.
+    pub order: Vec<u32>,
+    /// One node for each length present, shortest first.
+    pub lengths: Vec<LengthNode>,
+    /// One node for each type string present, in the order of keys.
+    pub types: Vec<TypeNode>,
+}
+
+impl Pool {
+    /// Sorts paths `first_index..first_index + keys.len()`, whose keys are given in the order of their indices.
+    ///
+    /// A counting sort in three passes. With D distinct keys it takes O(N log D); D is a few dozen whatever N is,
+    /// so the cost a path is a search of about five comparisons and two scattered writes: O(N).
+    pub fn build(keys: &[TypeKey], first_index: u32) -> Self {
+        let mut counts = BTreeMap::<TypeKey, u32>::new();
+        for &key in keys {
+            *counts.entry(key).or_default() += 1;
+        }
+
+        let mut pool = Self {
+            order: vec![0; keys.len()],
+            ..Self::default()
+        };
+        let mut offset = 0;
+        for (&key, &count) in &counts {
+            pool.types.push(TypeNode {
+                key,
+                range: NodeRange { offset, count },
+            });
+            match pool.lengths.last_mut() {
+                Some(node) if node.edges == key.edges() => node.range.count += count,
+                _ => pool.lengths.push(LengthNode {
+                    edges: key.edges(),
+                    range: NodeRange { offset, count },
+                }),
+            }
+            offset += count;
+        }
+
+        let mut next: Vec<u32> = pool.types.iter().map(|node| node.range.offset).collect();
+        for (index, key) in (first_index..).zip(keys) {
+            // Every key is among the types: they were made from the same slice.
+            let slot = &mut next[pool.types.partition_point(|node| node.key < *key)];
+            pool.order[*slot as usize] = index;
+            *slot += 1;
+        }
+        pool
+    }
+
+    /// The node that guides a path of type `key`: the paths of its type, or of its length if there are none of its
+    /// type (the supplement's backtracking, section 3), or `None` if there is none of its length either.
+    ///
+    /// Exactness asks only that x and y use the same rule (METHOD.md 3.2): every look-up goes through here.
+    pub fn node(&self, key: TypeKey) -> Option<NodeRange> {
+        self.type_node(key)
+            .or_else(|| self.length_node(key.edges()))
+    }
+
+    /// The paths of exactly this type, if there are any.
+    pub fn type_node(&self, key: TypeKey) -> Option<NodeRange> {
+        let at = self
+            .types
+            .binary_search_by_key(&key, |node| node.key)
+            .ok()?;
+        Some(self.types[at].range)
+    }
+
+    /// The paths of this length, if there are any.
+    pub fn length_node(&self, edges: u32) -> Option<NodeRange> {
+        let at = self
+            .lengths
+            .binary_search_by_key(&edges, |node| node.edges)
+            .ok()?;
+        Some(self.lengths[at].range)
+    }
+
+    /// Path indices of a node.
+    pub fn members(&self, node: NodeRange) -> &[u32] {
+        &self.order[node.indices()]
+    }
+
+    /// Path indices of the guides that `id` selects in a node: min(M, count) different members.
+    pub fn select(&self, node: NodeRange, id: u32, guides: u32) -> impl Iterator<Item = u32> + '_ {
+        let members = self.members(node);
+        (1..=node.guide_count(guides)).map(move |o| members[select(id, o, node.count) as usize])
+    }
+
+    /// What one kernel has to do in a type-keeping pass over this half, guided by the pool of the other half.
+    ///
+    /// Types are frozen during these passes, so lists and nodes may depend on them (METHOD.md C6). Paths in
+    /// `idle` are credited weight 1 to their state for the pass; without it the image is biased (C6a).
+    pub fn dispatch_list(&self, applicable: impl Fn(TypeKey) -> bool, guides: &Pool) -> WorkList {
+        let mut list = WorkList::default();
+        for node in &self.types {
+            let members = self.members(node.range);
+            if applicable(node.key) {
+                let guide_node = list.nodes.len() as u32;
+                let range = guides.node(node.key).unwrap_or(NodeRange {
+                    offset: 0,
+                    count: 0,
+                });
+                list.nodes.push([range.offset, range.count]);
+                list.entries
+                    .extend(members.iter().map(|&path| [path, guide_node]));
+            } else {
+                list.idle.extend_from_slice(members);
+            }
+        }
+        list
+    }
+}
+
+/// The work of one kernel in one type-keeping pass, as the shader reads it.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct WorkList {
+    /// Path index and index into `nodes`, sorted by type so that neighbouring invocations take the same branches.
+    pub entries: Vec<[u32; 2]>,
+    /// Offset and count into the guides' order, one for each applicable type; count 0 if nothing guides that type.
+    pub nodes: Vec<[u32; 2]>,
+    /// Paths the kernel does not apply to.
+    pub idle: Vec<u32>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Tag::{Diffuse as D, Reflection as R, Transmission as T};
+
+    /// SplitMix64: small, fixed, good enough to shuffle keys.
+    fn random(state: &mut u64) -> u64 {
+        *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = *state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    fn random_keys(count: usize, longest_edges: u32, seed: u64) -> Vec<TypeKey> {
+        let mut state = seed;
+        let mut draw = |range: u64| random(&mut state) % range;
+        (0..count)
+            .map(|_| {
+                let edges = 1 + draw(u64::from(longest_edges)) as u32;
+                TypeKey::new(edges, (1..edges).fold(0, |tags, _| tags << 2 | draw(3)))
+            })
+            .collect()
+    }
+
+    #[test]
+    fn key_holds_length_and_tags() {
+        let key = TypeKey::from_tags(&[D, T, R]);
+        assert_eq!((key.edges(), key.bits()), (4, 0b01_01_10_00));
+        assert_eq!(
+            (1..4).map(|i| key.tag_bits(i)).collect::<Vec<_>>(),
+            [0, 2, 1]
+        );
+        assert!(key.is_diffuse(1) && !key.is_diffuse(2));
+        assert_eq!(TypeKey::from_tags(&[]).edges(), 1);
+        assert_eq!(TypeKey::from_tags(&[T; 31]).edges(), MAX_EDGES);
+    }
+
+    #[test]
+    fn keys_survive_the_way_through_two_words() {
+        for key in random_keys(1000, MAX_EDGES, 3) {
+            assert_eq!(TypeKey::from_words(key.words()), Some(key));
+        }
+        assert_eq!(TypeKey::from_words([0, 0]), None);
+        assert_eq!(TypeKey::from_words([0b10, 0]), None);
+        assert_eq!(TypeKey::from_words([0, 1 << 31]), None);
+    }
+
+    #[test]
+    fn a_longer_path_has_a_larger_key() {
+        let mut keys = random_keys(5000, MAX_EDGES, 4);
+        keys.sort();
+        assert!(keys.is_sorted_by_key(|key| key.edges()));
+    }
+
+    #[test]
+    fn small_pool_has_the_ranges_one_expects() {
+        let keys = [&[D, R][..], &[D], &[D, R], &[T, R], &[D]].map(TypeKey::from_tags);
+        let pool = Pool::build(&keys, 10);
+        assert_eq!(pool.order, [11, 14, 10, 12, 13]);
+        assert_eq!(
+            pool.node(keys[1]),
+            Some(NodeRange {
+                offset: 0,
+                count: 2
+            })
+        );
+        assert_eq!(
+            pool.node(keys[0]),
+            Some(NodeRange {
+                offset: 2,
+                count: 2
+            })
+        );
+        assert_eq!(
+            pool.node(keys[3]),
+            Some(NodeRange {
+                offset: 4,
+                count: 1
+            })
+        );
+        // No path of this type: back to all paths of its length.
+        assert_eq!(
+            pool.node(TypeKey::from_tags(&[D, D])),
+            Some(NodeRange {
+                offset: 2,
+                count: 3
+            })
+        );
+        assert_eq!(pool.node(TypeKey::from_tags(&[D, D, D])), None);
+    }
+
+    #[test]
+    fn empty_and_single_pools() {
+        let key = TypeKey::from_tags(&[D]);
+        let empty = Pool::build(&[], 0);
+        assert_eq!((&empty, empty.node(key)), (&Pool::default(), None));
+        let single = Pool::build(&[key], 7);
+        let node = single.node(key).unwrap();
+        assert_eq!((single.members(node), node.guide_count(16)), (&[7][..], 1));
+        assert_eq!(single.select(node, u32::MAX, 16).collect::<Vec<_>>(), [7]);
+    }
+
+    #[test]
+    fn counting_sort_agrees_with_a_stable_comparison_sort() {
+        // Few distinct keys as in a scene, and many as nowhere.
+        for (longest_edges, seed) in [(4, 1), (MAX_EDGES, 2)] {
+            let keys = random_keys(100_000, longest_edges, seed);
+            let pool = Pool::build(&keys, 500);
+            let mut expected: Vec<u32> = (500..100_500).collect();
+            expected.sort_by_key(|&index| keys[index as usize - 500]);
+            assert_eq!(pool.order, expected);
+            for node in &pool.types {
+                assert!(
+                    pool.members(node.range)
+                        .iter()
+                        .all(|&index| keys[index as usize - 500] == node.key)
+                );
+                assert_eq!(pool.node(node.key), Some(node.range));
+            }
+            for node in &pool.lengths {
+                let of_length = |&index: &u32| keys[index as usize - 500].edges() == node.edges;
+                assert!(pool.members(node.range).iter().all(of_length));
+            }
+            let covered =
+                |ranges: Vec<NodeRange>| ranges.iter().map(|range| range.count).sum::<u32>();
+            assert_eq!(
+                covered(pool.types.iter().map(|node| node.range).collect()),
+                100_000
+            );
+            assert_eq!(
+                covered(pool.lengths.iter().map(|node| node.range).collect()),
+                100_000
+            );
+        }
+    }
+
+    #[test]
+    fn a_set_never_holds_a_member_twice_even_where_the_id_wraps() {
+        for count in [1, 2, 3, 7, 1000] {
+            for id in [0, 5, u32::MAX - 3, u32::MAX] {
+                let guides = count.min(16);
+                let mut set: Vec<u32> = (1..=guides).map(|o| select(id, o, count)).collect();
+                assert!(set.windows(2).all(|pair| pair[1] == (pair[0] + 1) % count));
+                set.sort_unstable();
+                set.dedup();
+                assert_eq!(set.len() as u32, guides);
+            }
+        }
+        assert_eq!(
+            (1..=3).map(|o| select(9, o, 5)).collect::<Vec<_>>(),
+            [0, 1, 2]
+        );
+    }
+
+    #[test]
+    fn dispatch_lists_hold_every_path_once_and_the_guides_node() {
+        let [short, glossy, clear] = [&[D][..], &[D, R], &[D, T]].map(TypeKey::from_tags);
+        let moving = Pool::build(&[glossy, short, clear, glossy], 0);
+        let guides = Pool::build(&[clear, clear], 4);
+        let list = moving.dispatch_list(|key| key != short, &guides);
+        assert_eq!(list.entries, [[0, 0], [3, 0], [2, 1]]);
+        assert_eq!(list.nodes, [[0, 2], [0, 2]]);
+        assert_eq!(list.idle, [1]);
+        let unguided = moving.dispatch_list(|key| key == short, &guides);
+        assert_eq!(
+            (unguided.entries, unguided.nodes, unguided.idle),
+            (vec![[1, 0]], vec![[0, 0]], vec![0, 3, 2])
+        );
+    }
+
+    /// Prints the cost a path for growing pools of 40 keys: run with `--ignored --nocapture`.
+    #[test]
+    #[ignore = "a timing, not a check"]
+    fn cost_a_path_does_not_grow_with_the_pool() {
+        for count in [10_000, 100_000, 1_000_000] {
+            let keys = random_keys(count, 4, 5);
+            let start = std::time::Instant::now();
+            let pool = Pool::build(&keys, 0);
+            let ns = start.elapsed().as_nanos() as f64 / count as f64;
+            println!(
+                "{count} paths, {} keys: {ns:.1} ns a path",
+                pool.types.len()
+            );
+        }
+    }
+}
