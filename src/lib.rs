@@ -6,11 +6,13 @@
 //! - [`ensemble`]: the pool of guides, built on the host from the types of one half
 //! - [`film`]: images, EXR and PNG files, error metrics
 //! - [`report`]: progress while it runs, statistics at the end
+//! - [`reference`]: f64 twins of shader functions, for tests
 mod error;
 
 pub mod ensemble;
 pub mod film;
 pub mod methods;
+pub mod reference;
 pub mod report;
 pub mod scene;
 

@@ -1,0 +1,134 @@
+//! The type string of a path as a sortable number.
+
+/// Longest path that a [`TypeKey`] can name, in edges: 31 interior vertices of two bits and the sentinel.
+pub const MAX_EDGES: u32 = 32;
+
+/// What happens at an interior vertex of a path (METHOD.md section 0).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Tag {
+    /// D: connectable scattering.
+    Diffuse = 0,
+    /// S: specular reflection.
+    Reflection = 1,
+    /// S: specular transmission.
+    Transmission = 2,
+}
+
+/// The type string of a path: its length and the tags of its interior vertices.
+///
+/// A path of k edges has k - 1 interior vertices; vertex i = 1 is next to the light. The tag of vertex i sits
+/// at bits 2(i-1), and a sentinel 1 at bit 2(k-1) marks the length, so that order by value is order by length first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(transparent)]
+pub struct TypeKey(u64);
+
+impl TypeKey {
+    /// The key of a path of `edges` edges (1 to [`MAX_EDGES`]) with packed `tags`, two bits a vertex.
+    ///
+    /// # Panics
+    /// If `edges` is out of range or `tags` has bits beyond the interior vertices: both are bugs of the caller.
+    pub fn new(edges: u32, tags: u64) -> Self {
+        assert!(
+            (1..=MAX_EDGES).contains(&edges),
+            "a path has 1 to {MAX_EDGES} edges, not {edges}"
+        );
+        let sentinel = 1u64 << (2 * (edges - 1));
+        assert!(tags < sentinel, "more tags than interior vertices");
+        Self(sentinel | tags)
+    }
+
+    /// The key of a path with these interior vertices, from the light to the camera.
+    pub fn from_tags(tags: &[Tag]) -> Self {
+        let packed = tags
+            .iter()
+            .enumerate()
+            .take(MAX_EDGES as usize)
+            .map(|(i, &tag)| (tag as u64) << (2 * i));
+        Self::new(tags.len() as u32 + 1, packed.sum())
+    }
+
+    /// A key from its value; `None` if no path has it (zero, or a sentinel at an odd bit).
+    pub fn from_bits(bits: u64) -> Option<Self> {
+        (bits != 0 && bits.ilog2().is_multiple_of(2)).then_some(Self(bits))
+    }
+
+    /// A key from the two words of a shader, low word first; `None` if no path has it.
+    pub fn from_words([low, high]: [u32; 2]) -> Option<Self> {
+        Self::from_bits(u64::from(high) << 32 | u64::from(low))
+    }
+
+    /// The value: order by it is order by length first.
+    pub fn bits(self) -> u64 {
+        self.0
+    }
+
+    /// The two words a shader sees, low word first.
+    pub fn words(self) -> [u32; 2] {
+        [self.0 as u32, (self.0 >> 32) as u32]
+    }
+
+    /// Path length in edges.
+    pub fn edges(self) -> u32 {
+        self.0.ilog2() / 2 + 1
+    }
+
+    /// The two tag bits of interior vertex `i`, 1 (next to the light) to `edges() - 1` (next to the camera).
+    pub fn tag_bits(self, i: u32) -> u32 {
+        debug_assert!(
+            (1..self.edges()).contains(&i),
+            "vertex {i} is not an interior vertex"
+        );
+        (self.0 >> (2 * (i - 1))) as u32 & 3
+    }
+
+    /// True if interior vertex `i` is connectable (tag D).
+    pub fn is_diffuse(self, i: u32) -> bool {
+        self.tag_bits(i) == Tag::Diffuse as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Tag::{Diffuse as D, Reflection as R, Transmission as T};
+
+    /// Keys of every length, three tag patterns each.
+    fn keys() -> Vec<TypeKey> {
+        let key = |edges| {
+            [0x2612_4890_1249_2612u64, 0, u64::MAX / 3]
+                .map(|tags| TypeKey::new(edges, tags % (1 << (2 * (edges - 1)))))
+        };
+        (1..=MAX_EDGES).flat_map(key).collect()
+    }
+
+    #[test]
+    fn key_holds_length_and_tags() {
+        let key = TypeKey::from_tags(&[D, T, R]);
+        assert_eq!((key.edges(), key.bits()), (4, 0b01_01_10_00));
+        assert_eq!(
+            (1..4).map(|i| key.tag_bits(i)).collect::<Vec<_>>(),
+            [0, 2, 1]
+        );
+        assert!(key.is_diffuse(1) && !key.is_diffuse(2));
+        assert_eq!(TypeKey::from_tags(&[]).edges(), 1);
+        assert_eq!(TypeKey::from_tags(&[T; 31]).edges(), MAX_EDGES);
+    }
+
+    #[test]
+    fn keys_survive_the_way_through_two_words() {
+        for key in keys() {
+            assert_eq!(TypeKey::from_words(key.words()), Some(key));
+        }
+        assert_eq!(TypeKey::from_words([0, 0]), None);
+        assert_eq!(TypeKey::from_words([0b10, 0]), None);
+        assert_eq!(TypeKey::from_words([0, 1 << 31]), None);
+    }
+
+    #[test]
+    fn a_longer_path_has_a_larger_key() {
+        let mut keys = keys();
+        keys.sort();
+        assert!(keys.is_sorted_by_key(|key| key.edges()));
+    }
+}
