@@ -4,16 +4,18 @@
 //! - [`scene`]: glTF file to plain scene data and the features it needs
 //! - [`accel`]: triangles to a compressed wide BVH
 //! - [`gpu`]: device, scene buffers, shader composition, recorded dispatches
+//! - [`ensemble`]: seeds, pool of guides, half-sweeps
+//! - [`kernels`]: one transition kernel a file
 //! - [`methods`]: what `pt`, `mlt` and `emlt` are made of, and [`methods::render`]
 //! - [`film`]: images, EXR and PNG files, error metrics
 //! - [`report`]: progress while it runs, statistics at the end, metadata in the file
+//! - [`reference`]: host twins of shader functions, for tests
 //! - [`cli`]: the commands
-mod error;
 
 pub mod accel;
-
 pub mod cli;
 pub mod ensemble;
+mod error;
 pub mod film;
 pub mod gpu;
 pub mod kernels;

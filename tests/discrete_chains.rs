@@ -17,10 +17,7 @@ const EXACT: f64 = 1e-12;
 const GUIDE_COUNTS: [u32; 3] = [1, 2, 4];
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max)
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 /// Calls `visit` for every half, M and id; ids near the wrap of u32 included.
@@ -86,22 +83,12 @@ fn broken_ratios_and_borders_do_not_keep_it() {
     ];
     let found = twins.map(|(twin, ..)| {
         let (defect, antisymmetry) = frozen_defect(&world, twin);
-        println!(
-            "{:<28} {defect:>10.1e} {antisymmetry:>14.1e}",
-            format!("{twin:?}")
-        );
+        println!("{:<28} {defect:>10.1e} {antisymmetry:>14.1e}", format!("{twin:?}"));
         (defect, antisymmetry)
     });
     for ((twin, bound, seen), (defect, antisymmetry)) in twins.into_iter().zip(found) {
-        assert!(
-            defect > bound,
-            "{twin:?} passes with a defect of {defect:e}"
-        );
-        assert_eq!(
-            antisymmetry > 1e-3,
-            seen,
-            "{twin:?}: antisymmetry {antisymmetry:e}"
-        );
+        assert!(defect > bound, "{twin:?} passes with a defect of {defect:e}");
+        assert_eq!(antisymmetry > 1e-3, seen, "{twin:?}: antisymmetry {antisymmetry:e}");
     }
 }
 
@@ -133,9 +120,7 @@ fn joint_step(moves: &[Moves], law: &[Vec<f64>], increment: Increment) -> Vec<Ve
             after[(id + on_failure) % IDS][x] += mass * kernel.failed[x];
             after[(id + on_rejection) % IDS][x] += mass * rejected;
             let to = &mut after[(id + on_acceptance) % IDS];
-            to.iter_mut()
-                .zip(&kernel.accepted[x])
-                .for_each(|(to, p)| *to += mass * p);
+            to.iter_mut().zip(&kernel.accepted[x]).for_each(|(to, p)| *to += mass * p);
         }
     }
     after
@@ -151,9 +136,7 @@ fn id_process(world: &World, increment: Increment, mutations: usize) -> (f64, f6
     let sets = guide_sets(world);
     for (set, wanted) in [(6, 1), (7, 1), (18, 2), (19, 1), (42, 2), (43, 4)] {
         let guides = Guides::new(world, &sets[set], wanted);
-        let moves: Vec<Moves> = (0..IDS as u32)
-            .map(|id| mutation(&guides, id, Twin::Correct))
-            .collect();
+        let moves: Vec<Moves> = (0..IDS as u32).map(|id| mutation(&guides, id, Twin::Correct)).collect();
         let mut law = joint_step(&moves, &start, increment);
         let defect = |id: usize| largest_difference(&law[id], &start[id]) * IDS as f64;
         worst = (0..IDS).map(defect).fold(worst, f64::max);
@@ -161,11 +144,7 @@ fn id_process(world: &World, increment: Increment, mutations: usize) -> (f64, f6
             law = joint_step(&moves, &law, increment);
         }
         let of_x = |x: usize| law.iter().map(|of_id| of_id[x]).sum::<f64>();
-        let apart: f64 = target
-            .iter()
-            .enumerate()
-            .map(|(x, p)| (of_x(x) - p).abs())
-            .sum();
+        let apart: f64 = target.iter().enumerate().map(|(x, p)| (of_x(x) - p).abs()).sum();
         variation = variation.max(0.5 * apart);
     }
     (worst, variation)
@@ -177,10 +156,7 @@ fn one_increment_a_mutation_keeps_the_joint_law_of_path_and_id() {
     let (defect, variation) = id_process(&world, Increment::EachMutation, 400);
     println!("EachMutation: {defect:.1e}, total variation in the end {variation:.1e}");
     assert!(defect < EXACT && variation < EXACT);
-    for (increment, bound, apart) in [
-        (Increment::OnAcceptance, 1e-3, 1e-3),
-        (Increment::EachLookUp, 1e-3, 1e-5),
-    ] {
+    for (increment, bound, apart) in [(Increment::OnAcceptance, 1e-3, 1e-3), (Increment::EachLookUp, 1e-3, 1e-5)] {
         let (defect, variation) = id_process(&world, increment, 400);
         println!("{increment:?}: {defect:.1e}, total variation in the end {variation:.1e}");
         assert!(defect > bound && variation > apart, "{increment:?} passes");
@@ -199,12 +175,7 @@ fn pair_kernels(world: &World, wanted: u32) -> Vec<[Moves; 2]> {
 
 /// pi x pi x ...
 fn product(laws: &[&[f64]]) -> Vec<f64> {
-    laws.iter().fold(vec![1.0], |joint, law| {
-        joint
-            .iter()
-            .flat_map(|p| law.iter().map(move |q| p * q))
-            .collect()
-    })
+    laws.iter().fold(vec![1.0], |joint, law| joint.iter().flat_map(|p| law.iter().map(move |q| p * q)).collect())
 }
 
 /// `moving` pairs step guided by `frozen` ones, the two chains with different ids. `law[moving][frozen]` flat.
@@ -223,9 +194,7 @@ fn update_half(kernels: &[[Moves; 2]], law: &[f64], n: usize) -> Vec<f64> {
 }
 
 fn swap_halves(law: &[f64], pairs: usize) -> Vec<f64> {
-    (0..law.len())
-        .map(|at| law[at % pairs * pairs + at / pairs])
-        .collect()
+    (0..law.len()).map(|at| law[at % pairs * pairs + at / pairs]).collect()
 }
 
 #[test]
@@ -253,27 +222,18 @@ fn alternating_halves_keep_the_product_of_targets() {
             let y_step = product(&[&y1.row(y / n), &y2.row(y % n)]);
             for (to, p) in x_step.iter().enumerate() {
                 let row = &mut at_once[to * pairs..][..pairs];
-                row.iter_mut()
-                    .zip(&y_step)
-                    .for_each(|(to, q)| *to += mass * p * q);
+                row.iter_mut().zip(&y_step).for_each(|(to, q)| *to += mass * p * q);
             }
         }
         let relative = largest_relative_difference(&at_once, &joint);
         println!("both halves at once, M = {wanted}: relative {relative:.1e}");
-        assert!(
-            relative > 0.01,
-            "both halves at once pass with {relative:e}"
-        );
+        assert!(relative > 0.01, "both halves at once pass with {relative:e}");
     }
 }
 
 /// Largest change relative to what should be there: joint laws of many states have small probabilities.
 fn largest_relative_difference(a: &[f64], b: &[f64]) -> f64 {
-    let relative = a
-        .iter()
-        .zip(b)
-        .filter(|&(_, b)| *b > 0.0)
-        .map(|(a, b)| (a / b - 1.0).abs());
+    let relative = a.iter().zip(b).filter(|&(_, b)| *b > 0.0).map(|(a, b)| (a / b - 1.0).abs());
     relative.fold(0.0, f64::max)
 }
 
@@ -289,17 +249,11 @@ fn guides_from_the_own_half_do_not_keep_it() {
         let guides = Guides::new(&world, &states, 2);
         let step = |chain: usize| mutation(&guides, chain as u32, Twin::Correct).row(states[chain]);
         let step = product(&[&step(0), &step(1), &step(2)]);
-        after
-            .iter_mut()
-            .zip(&step)
-            .for_each(|(to, p)| *to += mass * p);
+        after.iter_mut().zip(&step).for_each(|(to, p)| *to += mass * p);
     }
     let marginal = |x: usize| after[x * n * n..][..n * n].iter().sum::<f64>();
     let first: Vec<f64> = (0..n).map(marginal).collect();
-    let (relative, of_one) = (
-        largest_relative_difference(&after, &joint),
-        largest_difference(&first, &target),
-    );
+    let (relative, of_one) = (largest_relative_difference(&after, &joint), largest_difference(&first, &target));
     println!("guides from the own half: relative {relative:.1e}, law of one chain {of_one:.1e}");
     assert!(relative > 0.01 && of_one > 1e-3);
 }
@@ -343,25 +297,13 @@ fn idle_chains_must_be_credited() {
     let guides = Guides::new(&world, &guide_sets(&world)[30], 2);
     for (credit, biased) in [(1.0, false), (0.0, true)] {
         let (image, chain_defect) = sweep_image(&world, &guides, credit);
-        let of_type = |law: &[f64]| -> Vec<f64> {
-            law.chunks(world.pixels())
-                .map(|states| states.iter().sum())
-                .collect()
-        };
+        let of_type =
+            |law: &[f64]| -> Vec<f64> { law.chunks(world.pixels()).map(|states| states.iter().sum()).collect() };
         let bias = largest_difference(&image, &target);
-        println!(
-            "idle credit {credit}: image bias {bias:.1e}, chain law off by {chain_defect:.1e}"
-        );
-        println!(
-            "  light by type {:.3?}, true {:.3?}",
-            of_type(&image),
-            of_type(&target)
-        );
+        println!("idle credit {credit}: image bias {bias:.1e}, chain law off by {chain_defect:.1e}");
+        println!("  light by type {:.3?}, true {:.3?}", of_type(&image), of_type(&target));
         // The chains are right either way: only the image tells.
         assert!(chain_defect < EXACT);
-        assert!(
-            if biased { bias > 0.01 } else { bias < EXACT },
-            "bias {bias:e}"
-        );
+        assert!(if biased { bias > 0.01 } else { bias < EXACT }, "bias {bias:e}");
     }
 }

@@ -31,12 +31,7 @@ pub fn build() -> Document {
     doorway(&mut scene);
     furnish(&mut scene);
     lay_table(&mut scene);
-    scene.camera(
-        "main",
-        Vec3::new(0.42, 1.42, 1.95),
-        Vec3::new(0.02, 0.93, -0.9),
-        40.0,
-    );
+    scene.camera("main", Vec3::new(0.42, 1.42, 1.95), Vec3::new(0.02, 0.93, -0.9), 40.0);
     scene
 }
 
@@ -59,77 +54,34 @@ fn rooms(scene: &mut Document) {
     let tall = [-0.1, CEILING + 0.1];
     let partition_back = BACK - WALL;
     let walls = Mesh::joined(&[
-        block(
-            [out_left, LEFT],
-            tall,
-            [partition_back + 0.01, FRONT + WALL],
-        ),
-        block(
-            [RIGHT, out_right],
-            tall,
-            [partition_back + 0.01, FRONT + WALL],
-        ),
+        block([out_left, LEFT], tall, [partition_back + 0.01, FRONT + WALL]),
+        block([RIGHT, out_right], tall, [partition_back + 0.01, FRONT + WALL]),
         block([LEFT - 0.05, RIGHT + 0.05], tall, [FRONT, FRONT + WALL]),
         block([out_left, DOOR_LEFT - 0.03], tall, [BACK - 0.07, BACK]),
         block([DOOR_RIGHT + 0.03, out_right], tall, [BACK - 0.07, BACK]),
-        block(
-            [DOOR_LEFT - 0.03, DOOR_RIGHT + 0.03],
-            [DOOR_TOP + 0.03, CEILING + 0.1],
-            [BACK - 0.07, BACK],
-        ),
+        block([DOOR_LEFT - 0.03, DOOR_RIGHT + 0.03], [DOOR_TOP + 0.03, CEILING + 0.1], [BACK - 0.07, BACK]),
     ]);
     scene.object("walls", &walls, plaster);
     let (far_left, far_right) = (-3.2, 1.2);
     let beyond = Mesh::joined(&[
-        block(
-            [far_left - WALL, DOOR_LEFT - 0.03],
-            tall,
-            [partition_back, BACK - 0.07],
-        ),
-        block(
-            [DOOR_RIGHT + 0.03, out_right],
-            tall,
-            [partition_back, BACK - 0.07],
-        ),
-        block(
-            [DOOR_LEFT - 0.03, DOOR_RIGHT + 0.03],
-            [DOOR_TOP + 0.03, CEILING + 0.1],
-            [partition_back, BACK - 0.07],
-        ),
-        block(
-            [far_left - WALL, far_left],
-            tall,
-            [FAR - WALL, partition_back + 0.01],
-        ),
-        block(
-            [far_right, far_right + WALL],
-            tall,
-            [FAR - WALL, partition_back + 0.01],
-        ),
+        block([far_left - WALL, DOOR_LEFT - 0.03], tall, [partition_back, BACK - 0.07]),
+        block([DOOR_RIGHT + 0.03, out_right], tall, [partition_back, BACK - 0.07]),
+        block([DOOR_LEFT - 0.03, DOOR_RIGHT + 0.03], [DOOR_TOP + 0.03, CEILING + 0.1], [partition_back, BACK - 0.07]),
+        block([far_left - WALL, far_left], tall, [FAR - WALL, partition_back + 0.01]),
+        block([far_right, far_right + WALL], tall, [FAR - WALL, partition_back + 0.01]),
         block([far_left - 0.05, far_right + 0.05], tall, [FAR - WALL, FAR]),
     ]);
     scene.object("walls of the next room", &beyond, next);
     let (wide, deep) = ([far_left - WALL, out_right], [FAR - WALL, FRONT + WALL]);
-    scene.object(
-        "ceiling",
-        &block(wide, [CEILING, CEILING + 0.1], deep),
-        ceiling,
-    );
+    scene.object("ceiling", &block(wide, [CEILING, CEILING + 0.1], deep), ceiling);
 
     // Planks run along x in three browns over a slab, which keeps the floor closed.
-    let mut floor = [
-        block(wide, [-0.1, -0.004], deep),
-        Mesh::default(),
-        Mesh::default(),
-    ];
+    let mut floor = [block(wide, [-0.1, -0.004], deep), Mesh::default(), Mesh::default()];
     let mut random = Random(5);
     let width = 0.14;
     let rows = ((deep[1] - deep[0]) / width) as u32;
     for row in 0..rows {
-        let z = [
-            deep[0] + width * row as f32,
-            deep[0] + width * (row as f32 + 1.0) - 0.003,
-        ];
+        let z = [deep[0] + width * row as f32, deep[0] + width * (row as f32 + 1.0) - 0.003];
         let mut x = wide[0] - random.between(0.0, 1.0);
         while x < wide[1] {
             let end = x + random.between(0.9, 1.7);
@@ -162,31 +114,15 @@ fn doorway(scene: &mut Document) {
     let reveal = [BACK - WALL - 0.02, BACK + 0.005];
     let front = [BACK - 0.005, BACK + 0.02];
     let frame = Mesh::joined(&[
-        block(
-            [DOOR_LEFT - 0.04, DOOR_LEFT],
-            [-0.01, DOOR_TOP + 0.04],
-            reveal,
-        ),
-        block(
-            [DOOR_RIGHT, DOOR_RIGHT + 0.04],
-            [-0.01, DOOR_TOP + 0.04],
-            reveal,
-        ),
+        block([DOOR_LEFT - 0.04, DOOR_LEFT], [-0.01, DOOR_TOP + 0.04], reveal),
+        block([DOOR_RIGHT, DOOR_RIGHT + 0.04], [-0.01, DOOR_TOP + 0.04], reveal),
         block(
             [DOOR_LEFT - 0.01, DOOR_RIGHT + 0.01],
             [DOOR_TOP, DOOR_TOP + 0.04],
             [reveal[0] + 0.001, reveal[1] - 0.001],
         ),
-        block(
-            [DOOR_LEFT - 0.09, DOOR_LEFT - 0.001],
-            [-0.01, DOOR_TOP + 0.09],
-            front,
-        ),
-        block(
-            [DOOR_RIGHT + 0.001, DOOR_RIGHT + 0.09],
-            [-0.01, DOOR_TOP + 0.09],
-            front,
-        ),
+        block([DOOR_LEFT - 0.09, DOOR_LEFT - 0.001], [-0.01, DOOR_TOP + 0.09], front),
+        block([DOOR_RIGHT + 0.001, DOOR_RIGHT + 0.09], [-0.01, DOOR_TOP + 0.09], front),
         block(
             [DOOR_LEFT - 0.05, DOOR_RIGHT + 0.05],
             [DOOR_TOP + 0.001, DOOR_TOP + 0.089],
@@ -206,45 +142,22 @@ fn doorway(scene: &mut Document) {
 fn furnish(scene: &mut Document) {
     let oak = scene.material(Material::lambert("oak", [0.50, 0.29, 0.14]));
     let walnut = scene.material(Material::lambert("walnut", [0.26, 0.15, 0.085]));
-    scene.object(
-        "table",
-        &table(0.78, 0.42, TABLE_TOP).at(0.12, 0.0, -0.35),
-        oak,
-    );
+    scene.object("table", &table(0.78, 0.42, TABLE_TOP).at(0.12, 0.0, -0.35), oak);
 
     let at_wall = |mesh: Mesh| mesh.at(0.42, 1.62, BACK);
     let (half_x, half_y) = (0.36, 0.25);
-    scene.object(
-        "picture frame",
-        &at_wall(picture_frame(half_x, half_y)),
-        walnut,
-    );
-    let colours = [
-        [0.66, 0.66, 0.58],
-        [0.85, 0.45, 0.15],
-        [0.32, 0.42, 0.40],
-        [0.16, 0.25, 0.20],
-    ];
+    scene.object("picture frame", &at_wall(picture_frame(half_x, half_y)), walnut);
+    let colours = [[0.66, 0.66, 0.58], [0.85, 0.45, 0.15], [0.32, 0.42, 0.40], [0.16, 0.25, 0.20]];
     for (i, (part, rgb)) in picture(half_x, half_y).into_iter().zip(colours).enumerate() {
         let ink = scene.material(Material::lambert(&format!("picture {i}"), rgb));
         scene.object(&format!("picture {i}"), &at_wall(part), ink);
     }
     let (case, books) = bookcase(0.9, 1.75, 5, &mut Random(11));
     scene.object("bookcase", &case.at(RIGHT - 0.02, 0.0, BACK + 0.06), walnut);
-    let bindings = [
-        [0.45, 0.10, 0.07],
-        [0.10, 0.20, 0.30],
-        [0.62, 0.50, 0.28],
-        [0.16, 0.28, 0.16],
-        [0.62, 0.56, 0.47],
-    ];
+    let bindings = [[0.45, 0.10, 0.07], [0.10, 0.20, 0.30], [0.62, 0.50, 0.28], [0.16, 0.28, 0.16], [0.62, 0.56, 0.47]];
     for (i, (mesh, rgb)) in books.into_iter().zip(bindings).enumerate() {
         let cloth = scene.material(Material::lambert(&format!("books {i}"), rgb));
-        scene.object(
-            &format!("books {i}"),
-            &mesh.at(RIGHT - 0.02, 0.0, BACK + 0.06),
-            cloth,
-        );
+        scene.object(&format!("books {i}"), &mesh.at(RIGHT - 0.02, 0.0, BACK + 0.06), cloth);
     }
 }
 
@@ -260,26 +173,15 @@ fn lay_table(scene: &mut Document) {
     let big = 1.35;
     let place = |mesh: Mesh| mesh.scaled(big).turned(-24.0).at(-0.02, top, -0.22);
     scene.object("teapot", &place(crockery::teapot(0.0042)).closed(), glass);
-    scene.object(
-        "teapot's hollow",
-        &place(crockery::teapot_hollow()).closed(),
-        glass,
-    );
-    let jug = crockery::jug()
-        .scaled(1.2)
-        .turned(-150.0)
-        .at(0.45, top, -0.46);
+    scene.object("teapot's hollow", &place(crockery::teapot_hollow()).closed(), glass);
+    let jug = crockery::jug().scaled(1.2).turned(-150.0).at(0.45, top, -0.46);
     scene.object("jug", &jug, copper);
     let pot = crockery::pot().scaled(1.15).at(-0.36, top, -0.55);
     scene.object("pot", &pot, clay);
     let plate = rounded_box(Vec3::new(0.17, 0.009, 0.11), 0.005, 3).turned(14.0);
     scene.object("board", &plate.at(0.60, top + 0.009, -0.14), board);
     let fruit = |x: f32, z: f32| icosphere(3).scaled(0.042).at(x, top + 0.018 + 0.042, z);
-    let fruits = Mesh::joined(&[
-        fruit(0.535, -0.13),
-        fruit(0.632, -0.17),
-        fruit(0.605, -0.083),
-    ]);
+    let fruits = Mesh::joined(&[fruit(0.535, -0.13), fruit(0.632, -0.17), fruit(0.605, -0.083)]);
     scene.object("oranges", &fruits, orange);
     let tumbler = crockery::tumbler().scaled(1.15).at(0.30, top, -0.05);
     scene.object("tumbler", &tumbler.closed(), glass);

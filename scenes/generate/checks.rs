@@ -14,12 +14,7 @@ pub fn furnace() -> Document {
     let glow = scene.material(glow);
     let room = cuboid(Vec3::new(-1.0, 0.0, -1.5), Vec3::new(1.0, 2.0, 1.5)).flipped();
     scene.object("room", &room.closed(), glow);
-    scene.camera(
-        "main",
-        Vec3::new(0.3, 1.1, 1.0),
-        Vec3::new(-0.2, 0.8, -1.0),
-        50.0,
-    );
+    scene.camera("main", Vec3::new(0.3, 1.1, 1.0), Vec3::new(-0.2, 0.8, -1.0), 50.0);
     scene
 }
 
@@ -38,12 +33,7 @@ pub fn sphere_over_plane() -> Document {
     let inflate = (4.0 * std::f32::consts::PI / unit.area()).sqrt();
     let ball = unit.scaled(0.2 * inflate).at(0.0, 1.0, 0.0);
     scene.object("ball, R = 0.2, centre (0, 1, 0)", &ball.closed(), lamp);
-    scene.camera(
-        "main",
-        Vec3::new(1.0, 1.5, 0.0),
-        Vec3::new(1.0, 0.0, 0.0),
-        50.0,
-    );
+    scene.camera("main", Vec3::new(1.0, 1.5, 0.0), Vec3::new(1.0, 0.0, 0.0), 50.0);
     scene
 }
 
@@ -76,11 +66,6 @@ pub fn coloured_box() -> Document {
     scene.object("block", &block.closed(), metal);
     let gem = icosphere(2).scaled(0.32).at(0.4, 0.45, 0.1).faceted();
     scene.object("gem", &gem.closed(), glass);
-    scene.camera(
-        "main",
-        Vec3::new(0.0, 1.0, 1.95),
-        Vec3::new(0.0, 0.85, 0.0),
-        55.0,
-    );
+    scene.camera("main", Vec3::new(0.0, 1.0, 1.95), Vec3::new(0.0, 0.85, 0.0), 55.0);
     scene
 }

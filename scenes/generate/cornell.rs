@@ -31,11 +31,7 @@ pub fn build() -> Document {
     scene.object("right wall", &quad(Vec3::new(w, 0.0, -d), deep, up), green);
 
     let (lw, ld) = (0.45, 0.32);
-    let panel = quad(
-        Vec3::new(-lw, h - 0.005, -ld),
-        Vec3::X * 2.0 * lw,
-        Vec3::Z * 2.0 * ld,
-    );
+    let panel = quad(Vec3::new(-lw, h - 0.005, -ld), Vec3::X * 2.0 * lw, Vec3::Z * 2.0 * ld);
     scene.object("lamp", &panel, lamp);
 
     let block = rounded_box(Vec3::new(0.29, 0.6, 0.29), 0.02, 3).turned(22.0);
@@ -45,11 +41,6 @@ pub fn build() -> Document {
     let ball = icosphere(4).scaled(0.33).at(0.52, 0.32 + 0.331, 0.12);
     scene.object("ball", &ball.closed(), glass);
 
-    scene.camera(
-        "main",
-        Vec3::new(0.0, 0.975, 4.2),
-        Vec3::new(0.0, 0.975, 0.0),
-        33.2,
-    );
+    scene.camera("main", Vec3::new(0.0, 0.975, 4.2), Vec3::new(0.0, 0.975, 0.0), 33.2);
     scene
 }

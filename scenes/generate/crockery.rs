@@ -28,43 +28,21 @@ pub fn teapot(cell: f32) -> Mesh {
         6,
     );
     let distance = move |p: Vec3| {
-        let body = ellipsoid(
-            p,
-            Vec3::new(0.0, 0.078, 0.0),
-            Vec3::new(0.096, 0.073, 0.096),
-        );
-        let lid = ellipsoid(
-            p,
-            Vec3::new(0.0, 0.142, 0.0),
-            Vec3::new(0.050, 0.018, 0.050),
-        );
+        let body = ellipsoid(p, Vec3::new(0.0, 0.078, 0.0), Vec3::new(0.096, 0.073, 0.096));
+        let lid = ellipsoid(p, Vec3::new(0.0, 0.142, 0.0), Vec3::new(0.050, 0.018, 0.050));
         let knob = chain(p, &[[0.0, 0.155, 0.0, 0.007], [0.0, 0.168, 0.0, 0.007]]);
         let knob = blend(knob, p.distance(Vec3::new(0.0, 0.178, 0.0)) - 0.0125, 0.008);
-        let foot = Vec2::new(
-            Vec2::new(p.x, p.z).length() - 0.050,
-            (p.y - 0.007).abs() - 0.003,
-        );
+        let foot = Vec2::new(Vec2::new(p.x, p.z).length() - 0.050, (p.y - 0.007).abs() - 0.003);
         let foot = foot.max(Vec2::ZERO).length() + foot.max_element().min(0.0) - 0.004;
         let pot = blend(blend(body, foot, 0.010), blend(lid, knob, 0.010), 0.006);
-        blend(
-            pot,
-            blend(chain(p, &spout), chain(p, &handle), 0.004),
-            0.016,
-        )
+        blend(pot, blend(chain(p, &spout), chain(p, &handle), 0.004), 0.016)
     };
-    surface(
-        Vec3::new(-0.18, -0.01, -0.11),
-        Vec3::new(0.19, 0.21, 0.11),
-        cell,
-        distance,
-    )
+    surface(Vec3::new(-0.18, -0.01, -0.11), Vec3::new(0.19, 0.21, 0.11), cell, distance)
 }
 
 /// The hollow of the same teapot when it is glass: faces into the cavity, which is out of the glass.
 pub fn teapot_hollow() -> Mesh {
-    shapes::ellipsoid(Vec3::new(0.0905, 0.066, 0.0905), 4)
-        .flipped()
-        .at(0.0, 0.0785, 0.0)
+    shapes::ellipsoid(Vec3::new(0.0905, 0.066, 0.0905), 4).flipped().at(0.0, 0.0785, 0.0)
 }
 
 /// A waisted jug of 30 cm with a handle.

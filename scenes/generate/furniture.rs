@@ -10,30 +10,15 @@ pub fn table(half_x: f32, half_z: f32, height: f32) -> Mesh {
     let top = rounded_box(Vec3::new(half_x, 0.018, half_z), 0.008, 3).at(0.0, height - 0.018, 0.0);
     let (ax, az) = (half_x - 0.10, half_z - 0.10);
     let apron = [
-        cuboid(
-            Vec3::new(-ax, height - 0.12, -az - 0.01),
-            Vec3::new(ax, height - 0.03, -az + 0.01),
-        ),
-        cuboid(
-            Vec3::new(-ax, height - 0.12, az - 0.01),
-            Vec3::new(ax, height - 0.03, az + 0.01),
-        ),
-        cuboid(
-            Vec3::new(-ax - 0.01, height - 0.12, -az),
-            Vec3::new(-ax + 0.01, height - 0.03, az),
-        ),
-        cuboid(
-            Vec3::new(ax - 0.01, height - 0.12, -az),
-            Vec3::new(ax + 0.01, height - 0.03, az),
-        ),
+        cuboid(Vec3::new(-ax, height - 0.12, -az - 0.01), Vec3::new(ax, height - 0.03, -az + 0.01)),
+        cuboid(Vec3::new(-ax, height - 0.12, az - 0.01), Vec3::new(ax, height - 0.03, az + 0.01)),
+        cuboid(Vec3::new(-ax - 0.01, height - 0.12, -az), Vec3::new(-ax + 0.01, height - 0.03, az)),
+        cuboid(Vec3::new(ax - 0.01, height - 0.12, -az), Vec3::new(ax + 0.01, height - 0.03, az)),
     ];
     let mut parts = vec![top];
     parts.extend(apron);
     for (x, z) in [(-ax, -az), (ax, -az), (ax, az), (-ax, az)] {
-        parts.push(rod(
-            &[[x, 0.001, z, 0.018], [x, height - 0.03, z, 0.032]],
-            24,
-        ));
+        parts.push(rod(&[[x, 0.001, z, 0.018], [x, height - 0.03, z, 0.032]], 24));
     }
     Mesh::joined(&parts)
 }
@@ -43,37 +28,17 @@ pub fn table(half_x: f32, half_z: f32, height: f32) -> Mesh {
 pub fn door(width: f32, height: f32) -> (Mesh, Mesh) {
     let thick = 0.042;
     // Slightly past the hinge, into the frame, so that no light slips through there.
-    let core = cuboid(
-        Vec3::new(-0.012, 0.005, 0.010 - thick),
-        Vec3::new(width, height, -0.010),
-    );
+    let core = cuboid(Vec3::new(-0.012, 0.005, 0.010 - thick), Vec3::new(width, height, -0.010));
     let mut parts = vec![core];
     let (stile, middle) = (0.115, 0.95);
     for (low, high) in [(-0.012, -0.0), (-thick, 0.012 - thick)] {
-        let rail = |x0: f32, x1: f32, y0: f32, y1: f32| {
-            cuboid(Vec3::new(x0, y0, low), Vec3::new(x1, y1, high))
-        };
+        let rail = |x0: f32, x1: f32, y0: f32, y1: f32| cuboid(Vec3::new(x0, y0, low), Vec3::new(x1, y1, high));
         parts.push(rail(-0.012, stile, 0.006, height - 0.001));
         parts.push(rail(width - stile, width + 0.001, 0.006, height - 0.001));
         parts.push(rail(stile - 0.001, width - stile + 0.001, 0.007, 0.22));
-        parts.push(rail(
-            stile - 0.001,
-            width - stile + 0.001,
-            height - 0.13,
-            height - 0.002,
-        ));
-        parts.push(rail(
-            stile - 0.001,
-            width - stile + 0.001,
-            middle - 0.08,
-            middle + 0.08,
-        ));
-        parts.push(rail(
-            0.5 * width - 0.05,
-            0.5 * width + 0.05,
-            middle + 0.079,
-            height - 0.129,
-        ));
+        parts.push(rail(stile - 0.001, width - stile + 0.001, height - 0.13, height - 0.002));
+        parts.push(rail(stile - 0.001, width - stile + 0.001, middle - 0.08, middle + 0.08));
+        parts.push(rail(0.5 * width - 0.05, 0.5 * width + 0.05, middle + 0.079, height - 0.129));
     }
     let lever = |side: f32| {
         let z = if side > 0.0 { 0.0 } else { -thick };
@@ -91,10 +56,7 @@ pub fn door(width: f32, height: f32) -> (Mesh, Mesh) {
         );
         Mesh::joined(&[plate, rod(&path, 16)])
     };
-    (
-        Mesh::joined(&parts),
-        Mesh::joined(&[lever(1.0), lever(-1.0)]),
-    )
+    (Mesh::joined(&parts), Mesh::joined(&[lever(1.0), lever(-1.0)]))
 }
 
 /// A frame of four bars in the plane z = 0, centred, hung so that it touches z = 0 from in front.
@@ -112,18 +74,13 @@ pub fn picture_frame(half_x: f32, half_y: f32) -> Mesh {
 
 /// A landscape out of paper cuts: one mesh per colour, from the back (the sky) to the front.
 pub fn picture(half_x: f32, half_y: f32) -> [Mesh; 4] {
-    let sky = quad(
-        Vec3::new(-half_x, -half_y, 0.004),
-        Vec3::X * 2.0 * half_x,
-        Vec3::Y * 2.0 * half_y,
-    );
+    let sky = quad(Vec3::new(-half_x, -half_y, 0.004), Vec3::X * 2.0 * half_x, Vec3::Y * 2.0 * half_y);
     let hills = |z: f32, base: f32, rise: f32, phase: f32| {
         let mut mesh = Mesh::default();
         let n = 20;
         let top = |i: u32| {
             let t = i as f32 / n as f32;
-            let y =
-                base + rise * (phase + 5.0 * t).sin() + 0.4 * rise * (2.3 * phase + 11.0 * t).sin();
+            let y = base + rise * (phase + 5.0 * t).sin() + 0.4 * rise * (2.3 * phase + 11.0 * t).sin();
             Vec3::new(half_x * (2.0 * t - 1.0), y * half_y, z)
         };
         for i in 0..n {
@@ -137,21 +94,12 @@ pub fn picture(half_x: f32, half_y: f32) -> [Mesh; 4] {
     let rim: Vec<Vec3> = (0..n)
         .map(|i| {
             let (sin, cos) = (i as f32 / n as f32 * std::f32::consts::TAU).sin_cos();
-            Vec3::new(
-                0.35 * half_x + 0.055 * cos,
-                0.42 * half_y + 0.055 * sin,
-                0.0045,
-            )
+            Vec3::new(0.35 * half_x + 0.055 * cos, 0.42 * half_y + 0.055 * sin, 0.0045)
         })
         .collect();
     let mut sun = Mesh::default();
     sun.polygon(&rim);
-    [
-        sky,
-        sun,
-        hills(0.005, 0.05, 0.18, 0.6),
-        hills(0.0055, -0.45, 0.15, 2.4),
-    ]
+    [sky, sun, hills(0.005, 0.05, 0.18, 0.6), hills(0.0055, -0.45, 0.15, 2.4)]
 }
 
 /// An open bookcase with its back to the plane x = 0, towards -x, from z = 0 to `width`; then its
@@ -162,20 +110,14 @@ pub fn bookcase(width: f32, height: f32, shelves: u32, random: &mut Random) -> (
     let mut parts = vec![
         slab([-depth, 0.001, -board], [-0.001, height, 0.0]),
         slab([-depth, 0.001, width], [-0.001, height, width + board]),
-        slab(
-            [-0.012, 0.05, -0.001],
-            [-0.002, height - 0.001, width + 0.001],
-        ),
+        slab([-0.012, 0.05, -0.001], [-0.002, height - 0.001, width + 0.001]),
     ];
     let mut books: [Mesh; 5] = Default::default();
     let pitch = (height - 0.06 - board) / shelves as f32;
     for s in 0..=shelves {
         let y = 0.06 + s as f32 * pitch;
         let front = 0.002 - depth;
-        parts.push(slab(
-            [front, y, -0.001],
-            [-0.005, y + board - 0.001, width + 0.001],
-        ));
+        parts.push(slab([front, y, -0.001], [-0.005, y + board - 0.001, width + 0.001]));
         if s == shelves {
             break;
         }

@@ -21,27 +21,13 @@ impl Material {
     pub fn lambert(name: &str, albedo: [f32; 3]) -> Self {
         let extensions = json!({"KHR_materials_specular": {"specularFactor": 0.0}});
         let (name, base_color) = (name.to_string(), albedo);
-        Self {
-            name,
-            base_color,
-            metallic: 0.0,
-            roughness: 1.0,
-            emission: None,
-            extensions,
-        }
+        Self { name, base_color, metallic: 0.0, roughness: 1.0, emission: None, extensions }
     }
 
     /// A GGX conductor with alpha = roughness^2 and `tint` as its reflectance at normal incidence.
     pub fn metal(name: &str, tint: [f32; 3], roughness: f32) -> Self {
         let (name, base_color, extensions) = (name.to_string(), tint, json!({}));
-        Self {
-            name,
-            base_color,
-            metallic: 1.0,
-            roughness,
-            emission: None,
-            extensions,
-        }
+        Self { name, base_color, metallic: 1.0, roughness, emission: None, extensions }
     }
 
     /// Smooth glass for closed meshes; `tint` multiplies once per interface that light crosses.
@@ -53,14 +39,7 @@ impl Material {
             "KHR_materials_volume": {"thicknessFactor": 1.0},
         });
         let (name, base_color) = (name.to_string(), tint);
-        Self {
-            name,
-            base_color,
-            metallic: 0.0,
-            roughness: 0.0,
-            emission: None,
-            extensions,
-        }
+        Self { name, base_color, metallic: 0.0, roughness: 0.0, emission: None, extensions }
     }
 
     /// A black body of radiance `color * strength` on its front side; `color` is at most 1.
@@ -70,8 +49,7 @@ impl Material {
 
     pub fn emitting(mut self, color: [f32; 3], strength: f32) -> Self {
         self.emission = Some((color, strength));
-        self.extensions["KHR_materials_emissive_strength"] =
-            json!({"emissiveStrength": decimal(strength)});
+        self.extensions["KHR_materials_emissive_strength"] = json!({"emissiveStrength": decimal(strength)});
         self
     }
 
@@ -121,24 +99,9 @@ impl Document {
 
     pub fn object(&mut self, name: &str, mesh: &Mesh, material: usize) {
         self.triangles += mesh.triangles.len();
-        let flat = |v: &[Vec3]| -> Vec<u8> {
-            v.iter()
-                .flat_map(|p| p.to_array())
-                .flat_map(f32::to_le_bytes)
-                .collect()
-        };
-        let low = mesh
-            .positions
-            .iter()
-            .copied()
-            .reduce(Vec3::min)
-            .expect("a mesh has vertices");
-        let high = mesh
-            .positions
-            .iter()
-            .copied()
-            .reduce(Vec3::max)
-            .expect("a mesh has vertices");
+        let flat = |v: &[Vec3]| -> Vec<u8> { v.iter().flat_map(|p| p.to_array()).flat_map(f32::to_le_bytes).collect() };
+        let low = mesh.positions.iter().copied().reduce(Vec3::min).expect("a mesh has vertices");
+        let high = mesh.positions.iter().copied().reduce(Vec3::max).expect("a mesh has vertices");
         let positions = self.accessor(&flat(&mesh.positions), 5126, mesh.positions.len(), "VEC3");
         self.accessors[positions]["min"] = json!(low.to_array());
         self.accessors[positions]["max"] = json!(high.to_array());
@@ -147,26 +110,17 @@ impl Document {
         // 65535 is the primitive-restart value, which glTF forbids as an index.
         let short = mesh.positions.len() <= 65535;
         let bytes: Vec<u8> = if short {
-            indices
-                .iter()
-                .flat_map(|&i| (i as u16).to_le_bytes())
-                .collect()
+            indices.iter().flat_map(|&i| (i as u16).to_le_bytes()).collect()
         } else {
             indices.iter().flat_map(|&i| i.to_le_bytes()).collect()
         };
-        let indices = self.accessor(
-            &bytes,
-            if short { 5123 } else { 5125 },
-            indices.len(),
-            "SCALAR",
-        );
+        let indices = self.accessor(&bytes, if short { 5123 } else { 5125 }, indices.len(), "SCALAR");
         self.meshes.push(json!({"name": name, "primitives": [{
             "attributes": {"POSITION": positions, "NORMAL": normals},
             "indices": indices,
             "material": material,
         }]}));
-        self.nodes
-            .push(json!({"name": name, "mesh": self.meshes.len() - 1}));
+        self.nodes.push(json!({"name": name, "mesh": self.meshes.len() - 1}));
     }
 
     fn accessor(&mut self, bytes: &[u8], component: u32, count: usize, shape: &str) -> usize {
@@ -203,12 +157,8 @@ impl Document {
 
     /// The whole file.
     pub fn finish(self) -> Vec<u8> {
-        let used: BTreeSet<&String> = self
-            .materials
-            .iter()
-            .filter_map(|m| m["extensions"].as_object())
-            .flat_map(|e| e.keys())
-            .collect();
+        let used: BTreeSet<&String> =
+            self.materials.iter().filter_map(|m| m["extensions"].as_object()).flat_map(|e| e.keys()).collect();
         let mut root = json!({
             "asset": {"version": "2.0", "generator": "emlt scenes/generate"},
             "scene": 0,
@@ -241,11 +191,7 @@ impl Document {
 
 /// An up vector for a view along the unit vector `axis`: +y, or -z where the view is straight down.
 fn upright(axis: Vec3) -> Vec3 {
-    if axis.y.abs() > 0.999 {
-        Vec3::NEG_Z
-    } else {
-        Vec3::Y
-    }
+    if axis.y.abs() > 0.999 { Vec3::NEG_Z } else { Vec3::Y }
 }
 
 /// glTF wants chunks and accessors on four-byte boundaries.

@@ -40,8 +40,7 @@ pub fn surface(low: Vec3, high: Vec3, cell: f32, distance: impl Fn(Vec3) -> f32)
                     }
                     let (a, b) = (UVec3::AXES[(axis + 1) % 3], UVec3::AXES[(axis + 2) % 3]);
                     // The four cells around this grid edge, counter-clockwise about +axis.
-                    let mut ring =
-                        [at - a - b, at - b, at, at - a].map(|cell_at| net(cell_at, &mut mesh));
+                    let mut ring = [at - a - b, at - b, at, at - a].map(|cell_at| net(cell_at, &mut mesh));
                     if !inside(at) {
                         ring.reverse();
                     }
@@ -105,10 +104,7 @@ pub fn chain(p: Vec3, points: &[[f32; 4]]) -> f32 {
         let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
         p.distance(a.lerp(b, t)) - (pair[0][3] + t * (pair[1][3] - pair[0][3]))
     };
-    points
-        .windows(2)
-        .map(distance)
-        .fold(f32::INFINITY, f32::min)
+    points.windows(2).map(distance).fold(f32::INFINITY, f32::min)
 }
 
 /// Distance (near the surface) to an ellipsoid about `centre`.

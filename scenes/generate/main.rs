@@ -23,10 +23,7 @@ fn main() -> std::io::Result<()> {
         ("scenes/shards.glb", shards::build()),
         ("tests/scenes/coloured_box.glb", checks::coloured_box()),
         ("tests/scenes/furnace.glb", checks::furnace()),
-        (
-            "tests/scenes/sphere_over_plane.glb",
-            checks::sphere_over_plane(),
-        ),
+        ("tests/scenes/sphere_over_plane.glb", checks::sphere_over_plane()),
     ];
     for (path, scene) in scenes {
         let triangles = scene.triangles();

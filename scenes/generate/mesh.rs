@@ -19,9 +19,7 @@ impl Mesh {
 
     /// Adds a flat convex polygon, corners counter-clockwise, with vertices of its own.
     pub fn polygon(&mut self, corners: &[Vec3]) {
-        let normal = (corners[1] - corners[0])
-            .cross(corners[2] - corners[0])
-            .normalize();
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
         let first = self.positions.len() as u32;
         for &corner in corners {
             self.vertex(corner, normal);
@@ -35,8 +33,7 @@ impl Mesh {
         let first = self.positions.len() as u32;
         self.positions.extend(&other.positions);
         self.normals.extend(&other.normals);
-        self.triangles
-            .extend(other.triangles.iter().map(|t| t.map(|i| first + i)));
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| first + i)));
     }
 
     /// The union of parts that share one material; opaque parts may overlap.
@@ -98,11 +95,7 @@ impl Mesh {
 
     pub fn area(&self) -> f32 {
         let corner = |i: u32| self.positions[i as usize];
-        let twice = |t: &[u32; 3]| {
-            (corner(t[1]) - corner(t[0]))
-                .cross(corner(t[2]) - corner(t[0]))
-                .length() as f64
-        };
+        let twice = |t: &[u32; 3]| (corner(t[1]) - corner(t[0])).cross(corner(t[2]) - corner(t[0])).length() as f64;
         (0.5 * self.triangles.iter().map(twice).sum::<f64>()) as f32
     }
 
@@ -110,11 +103,7 @@ impl Mesh {
     /// opposite ways, and the normals are on the triangles' front side. Glass that leaks would be a wrong scene.
     pub fn closed(self) -> Mesh {
         // By position, because flat faces have vertices of their own.
-        let key = |i: u32| {
-            self.positions[i as usize]
-                .to_array()
-                .map(|x| (x + 0.0).to_bits())
-        };
+        let key = |i: u32| self.positions[i as usize].to_array().map(|x| (x + 0.0).to_bits());
         let mut balance: BTreeMap<[[u32; 3]; 2], (i32, u32)> = BTreeMap::new();
         for t in &self.triangles {
             for e in 0..3 {
@@ -131,10 +120,7 @@ impl Mesh {
         for t in &self.triangles {
             let [a, b, c] = t.map(|i| self.positions[i as usize]);
             let sum: Vec3 = t.iter().map(|&i| self.normals[i as usize]).sum();
-            assert!(
-                (b - a).cross(c - a).dot(sum) > 0.0,
-                "a normal points to the wrong side at {a}"
-            );
+            assert!((b - a).cross(c - a).dot(sum) > 0.0, "a normal points to the wrong side at {a}");
         }
         self
     }

@@ -17,14 +17,7 @@ pub fn cuboid(low: Vec3, high: Vec3) -> Mesh {
     let d = high - low;
     let (x, y, z) = (Vec3::X * d.x, Vec3::Y * d.y, Vec3::Z * d.z);
     let mut mesh = Mesh::default();
-    for (corner, u, v) in [
-        (low, y, x),
-        (low, z, y),
-        (low, x, z),
-        (high, -x, -y),
-        (high, -y, -z),
-        (high, -z, -x),
-    ] {
+    for (corner, u, v) in [(low, y, x), (low, z, y), (low, x, z), (high, -x, -y), (high, -y, -z), (high, -z, -x)] {
         mesh.append(&quad(corner, u, v));
     }
     mesh
@@ -68,12 +61,8 @@ fn grid(mesh: &mut Mesh, first: u32, rows: usize, columns: usize, flip: bool) {
     for r in 0..rows as u32 - 1 {
         for c in 0..columns as u32 - 1 {
             let at = |dr: u32, dc: u32| first + (r + dr) * columns as u32 + c + dc;
-            for [i, j, k] in [
-                [at(0, 0), at(1, 0), at(1, 1)],
-                [at(0, 0), at(1, 1), at(0, 1)],
-            ] {
-                mesh.triangles
-                    .push(if flip { [i, k, j] } else { [i, j, k] });
+            for [i, j, k] in [[at(0, 0), at(1, 0), at(1, 1)], [at(0, 0), at(1, 1), at(0, 1)]] {
+                mesh.triangles.push(if flip { [i, k, j] } else { [i, j, k] });
             }
         }
     }
@@ -110,11 +99,7 @@ pub fn icosphere(levels: u32) -> Mesh {
             })
             .collect();
     }
-    Mesh {
-        normals: points.clone(),
-        positions: points,
-        triangles,
-    }
+    Mesh { normals: points.clone(), positions: points, triangles }
 }
 
 /// The triangles of a convex hull in general position: every triple with all other points behind it.
@@ -164,21 +149,13 @@ pub fn smooth_profile(points: &[[f32; 2]], steps: u32) -> Profile {
         let [k0, k1, k2] = [(b - a), (c - b), (d - c)].map(|e| e.length().sqrt());
         let m0 = k1 * ((b - a) / k0 - (c - a) / (k0 + k1)) + (c - b);
         let m1 = k1 * ((d - c) / k2 - (d - b) / (k1 + k2)) + (c - b);
-        let last = if i == n as isize - 2 {
-            steps
-        } else {
-            steps - 1
-        };
+        let last = if i == n as isize - 2 { steps } else { steps - 1 };
         for s in 0..=last {
             let t = s as f32 / steps as f32;
             let (t2, t3) = (t * t, t * t * t);
-            let position = (2.0 * t3 - 3.0 * t2 + 1.0) * b
-                + (t3 - 2.0 * t2 + t) * m0
-                + (3.0 * t2 - 2.0 * t3) * c
-                + (t3 - t2) * m1;
-            let tangent = (6.0 * t2 - 6.0 * t) * (b - c)
-                + (3.0 * t2 - 4.0 * t + 1.0) * m0
-                + (3.0 * t2 - 2.0 * t) * m1;
+            let position =
+                (2.0 * t3 - 3.0 * t2 + 1.0) * b + (t3 - 2.0 * t2 + t) * m0 + (3.0 * t2 - 2.0 * t3) * c + (t3 - t2) * m1;
+            let tangent = (6.0 * t2 - 6.0 * t) * (b - c) + (3.0 * t2 - 4.0 * t + 1.0) * m0 + (3.0 * t2 - 2.0 * t) * m1;
             let normal = Vec2::new(tangent.y, -tangent.x).normalize();
             profile.push((position.max(Vec2::new(0.0, f32::NEG_INFINITY)), normal));
         }
@@ -191,10 +168,7 @@ pub fn lathe(profile: &Profile, segments: u32) -> Mesh {
     let mut mesh = Mesh::default();
     let (bottom, top) = (profile[0].0, profile[profile.len() - 1].0);
     let ring = &profile[1..profile.len() - 1];
-    let south = mesh.vertex(
-        Vec3::new(0.0, bottom.y, 0.0),
-        Vec3::Y * profile[0].1.y.signum(),
-    );
+    let south = mesh.vertex(Vec3::new(0.0, bottom.y, 0.0), Vec3::Y * profile[0].1.y.signum());
     let end_normal = profile[profile.len() - 1].1.y.signum();
     let north = mesh.vertex(Vec3::new(0.0, top.y, 0.0), Vec3::Y * end_normal);
     let first = mesh.positions.len() as u32;
@@ -209,13 +183,10 @@ pub fn lathe(profile: &Profile, segments: u32) -> Mesh {
     for s in 0..segments {
         mesh.triangles.push([south, at(0, s + 1), at(0, s)]);
         for r in 0..ring.len() - 1 {
-            mesh.triangles
-                .push([at(r, s), at(r, s + 1), at(r + 1, s + 1)]);
-            mesh.triangles
-                .push([at(r, s), at(r + 1, s + 1), at(r + 1, s)]);
+            mesh.triangles.push([at(r, s), at(r, s + 1), at(r + 1, s + 1)]);
+            mesh.triangles.push([at(r, s), at(r + 1, s + 1), at(r + 1, s)]);
         }
-        mesh.triangles
-            .push([north, at(ring.len() - 1, s), at(ring.len() - 1, s + 1)]);
+        mesh.triangles.push([north, at(ring.len() - 1, s), at(ring.len() - 1, s + 1)]);
     }
     mesh
 }
@@ -229,10 +200,8 @@ pub fn spline(points: &[[f32; 4]], steps: u32) -> Vec<[f32; 4]> {
         for s in 0..steps {
             let t = s as f32 / steps as f32;
             let (t2, t3) = (t * t, t * t * t);
-            let cubic = 2.0 * b
-                + (c - a) * t
-                + (2.0 * a - 5.0 * b + 4.0 * c - d) * t2
-                + (3.0 * b - a - 3.0 * c + d) * t3;
+            let cubic =
+                2.0 * b + (c - a) * t + (2.0 * a - 5.0 * b + 4.0 * c - d) * t2 + (3.0 * b - a - 3.0 * c + d) * t3;
             out.push((0.5 * cubic).to_array());
         }
     }
@@ -260,17 +229,11 @@ pub fn rod(path: &[[f32; 4]], segments: u32) -> Mesh {
     let at = |i: usize, s: u32| i as u32 * segments + s % segments;
     for i in 0..n - 1 {
         for s in 0..segments {
-            mesh.triangles
-                .push([at(i, s), at(i, s + 1), at(i + 1, s + 1)]);
-            mesh.triangles
-                .push([at(i, s), at(i + 1, s + 1), at(i + 1, s)]);
+            mesh.triangles.push([at(i, s), at(i, s + 1), at(i + 1, s + 1)]);
+            mesh.triangles.push([at(i, s), at(i + 1, s + 1), at(i + 1, s)]);
         }
     }
-    let ring = |i: usize| {
-        (0..segments)
-            .map(move |s| at(i, s) as usize)
-            .collect::<Vec<_>>()
-    };
+    let ring = |i: usize| (0..segments).map(move |s| at(i, s) as usize).collect::<Vec<_>>();
     let corners = |ids: Vec<usize>| ids.iter().map(|&id| mesh.positions[id]).collect::<Vec<_>>();
     let (mut start, end) = (corners(ring(0)), corners(ring(n - 1)));
     start.reverse();
@@ -282,9 +245,7 @@ pub fn rod(path: &[[f32; 4]], segments: u32) -> Mesh {
 /// An ellipsoid about the origin.
 pub fn ellipsoid(radii: Vec3, levels: u32) -> Mesh {
     let mut mesh = icosphere(levels);
-    mesh.normals
-        .iter_mut()
-        .for_each(|n| *n = (*n / radii).normalize());
+    mesh.normals.iter_mut().for_each(|n| *n = (*n / radii).normalize());
     mesh.positions.iter_mut().for_each(|p| *p *= radii);
     mesh
 }

@@ -21,23 +21,11 @@ pub fn build() -> Document {
 
     scene.object("ground", &backdrop(), ground);
     let half = 0.22;
-    let square = quad(
-        Vec3::new(-half, 0.0, -half),
-        Vec3::X * 2.0 * half,
-        Vec3::Z * 2.0 * half,
-    );
+    let square = quad(Vec3::new(-half, 0.0, -half), Vec3::X * 2.0 * half, Vec3::Z * 2.0 * half);
     let tilt = Quat::from_rotation_x(0.35) * Quat::from_rotation_z(0.3);
-    scene.object(
-        "lamp",
-        &square.moved(tilt, Vec3::new(-0.9, 3.0, -0.9)),
-        lamp,
-    );
+    scene.object("lamp", &square.moved(tilt, Vec3::new(-0.9, 3.0, -0.9)), lamp);
     // A dim panel out of view that only gives the facets something to reflect.
-    let side = quad(
-        Vec3::new(3.4, 0.3, 1.6),
-        Vec3::Y * 2.0,
-        Vec3::new(-0.6, 0.0, 2.6),
-    );
+    let side = quad(Vec3::new(3.4, 0.3, 1.6), Vec3::Y * 2.0, Vec3::new(-0.6, 0.0, 2.6));
     scene.object("soft panel", &side, panel);
 
     let mut random = Random(20);
@@ -55,36 +43,19 @@ pub fn build() -> Document {
         );
         let placed = rest(shard.moved(lean, Vec3::ZERO)).at(spot.x, 0.0, spot.y);
         count += 1;
-        scene.object(
-            &format!("shard {count}"),
-            &placed.closed(),
-            tints[[0, 1, 2, 0, 3, 0, 2][i % 7]],
-        );
+        scene.object(&format!("shard {count}"), &placed.closed(), tints[[0, 1, 2, 0, 3, 0, 2][i % 7]]);
     }
     // Splinters in the air, turning.
     for i in 0..8 {
         let shard = splinter(&mut random, 0.3, 0.07);
         let turn = Quat::from_rotation_arc(Vec3::Y, random.direction());
         let angle = i as f32 * 0.785 + 0.3;
-        let place = Vec3::new(
-            0.95 * angle.cos(),
-            random.between(0.75, 1.15),
-            0.55 * angle.sin(),
-        );
+        let place = Vec3::new(0.95 * angle.cos(), random.between(0.75, 1.15), 0.55 * angle.sin());
         count += 1;
         let mesh = shard.at(0.0, -0.15, 0.0).moved(turn, place);
-        scene.object(
-            &format!("shard {count}"),
-            &mesh.closed(),
-            tints[[0, 2, 1, 0, 3, 1, 0, 2][i]],
-        );
+        scene.object(&format!("shard {count}"), &mesh.closed(), tints[[0, 2, 1, 0, 3, 1, 0, 2][i]]);
     }
-    scene.camera(
-        "main",
-        Vec3::new(0.15, 1.35, 3.7),
-        Vec3::new(0.0, 0.42, 0.0),
-        32.0,
-    );
+    scene.camera("main", Vec3::new(0.15, 1.35, 3.7), Vec3::new(0.0, 0.42, 0.0), 32.0);
     scene
 }
 
@@ -94,42 +65,24 @@ fn splinter(random: &mut Random, height: f32, radius: f32) -> Mesh {
     let flat = random.between(0.55, 1.0);
     let phase = random.between(0.0, std::f32::consts::TAU);
     let mut points = vec![
-        Vec3::new(
-            random.between(-0.4, 0.4) * radius,
-            0.0,
-            random.between(-0.4, 0.4) * radius,
-        ),
-        Vec3::new(
-            random.between(-0.5, 0.5) * radius,
-            height,
-            random.between(-0.5, 0.5) * radius,
-        ),
+        Vec3::new(random.between(-0.4, 0.4) * radius, 0.0, random.between(-0.4, 0.4) * radius),
+        Vec3::new(random.between(-0.5, 0.5) * radius, height, random.between(-0.5, 0.5) * radius),
     ];
     for (level, width) in [(0.08, 0.72), (0.62, 1.0)] {
         for s in 0..sides {
-            let angle = phase
-                + (s as f32 + random.between(-0.3, 0.3)) / sides as f32 * std::f32::consts::TAU;
+            let angle = phase + (s as f32 + random.between(-0.3, 0.3)) / sides as f32 * std::f32::consts::TAU;
             let r = radius * width * random.between(0.85, 1.1);
             let y = height * (level + random.between(-0.07, 0.12));
             points.push(Vec3::new(r * angle.cos(), y, flat * r * angle.sin()));
         }
     }
     let triangles = hull_triangles(&points);
-    Mesh {
-        normals: vec![Vec3::Y; points.len()],
-        positions: points,
-        triangles,
-    }
-    .faceted()
+    Mesh { normals: vec![Vec3::Y; points.len()], positions: points, triangles }.faceted()
 }
 
 /// Set down so that the lowest point is just above the ground.
 fn rest(mesh: Mesh) -> Mesh {
-    let lowest = mesh
-        .positions
-        .iter()
-        .map(|p| p.y)
-        .fold(f32::INFINITY, f32::min);
+    let lowest = mesh.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
     mesh.at(0.0, 0.001 - lowest, 0.0)
 }
 

@@ -18,10 +18,8 @@ pub struct Accel {
 
 /// Builds the structure over triangles given by their corners.
 pub fn build(corners: &[[Vec3; 3]]) -> crate::Result<Accel> {
-    let triangles: Vec<Triangle> = corners
-        .iter()
-        .map(|c| Triangle { v0: c[0].into(), v1: c[1].into(), v2: c[2].into() })
-        .collect();
+    let triangles: Vec<Triangle> =
+        corners.iter().map(|c| Triangle { v0: c[0].into(), v1: c[1].into(), v2: c[2].into() }).collect();
     // Splitting triangles would repeat them in several leaves; one leaf entry a triangle keeps ids unique.
     let params = BvhBuildParams { pre_split: false, ..BvhBuildParams::medium_build() };
     let bvh = build_cwbvh_from_tris(&triangles, params, &mut Duration::default());

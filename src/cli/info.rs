@@ -32,25 +32,11 @@ fn summary(scene: &Scene) -> String {
         let _ = writeln!(text, "{name:<11}{}", super::one_line(&value));
     };
     row("scene", scene.name.clone());
-    row(
-        "triangles",
-        format!(
-            "{} with {} vertices",
-            scene.triangles.len(),
-            scene.positions.len()
-        ),
-    );
-    let materials: Vec<String> = scene
-        .materials
-        .iter()
-        .map(|m| format!("'{}'", m.name))
-        .collect();
+    row("triangles", format!("{} with {} vertices", scene.triangles.len(), scene.positions.len()));
+    let materials: Vec<String> = scene.materials.iter().map(|m| format!("'{}'", m.name)).collect();
     row("materials", counted(&materials));
     for (i, camera) in scene.cameras.iter().enumerate() {
-        let aspect = camera
-            .aspect
-            .map(|a| format!(", aspect {a:.3}"))
-            .unwrap_or_default();
+        let aspect = camera.aspect.map(|a| format!(", aspect {a:.3}")).unwrap_or_default();
         let default = if i == 0 { " (the default)" } else { "" };
         row(
             "camera",
@@ -63,37 +49,15 @@ fn summary(scene: &Scene) -> String {
     }
     row("lights", lights(scene));
     let (centre, radius) = scene.bounding_sphere();
-    row(
-        "bounds",
-        format!(
-            "centre {:.4} {:.4} {:.4}, radius {radius:.4}",
-            centre.x, centre.y, centre.z
-        ),
-    );
-    let features: Vec<&str> = Features::of(scene)
-        .flags()
-        .iter()
-        .filter(|(_, on)| *on)
-        .map(|(name, _)| *name)
-        .collect();
-    row(
-        "features",
-        if features.is_empty() {
-            "diffuse only".into()
-        } else {
-            features.join(", ")
-        },
-    );
+    row("bounds", format!("centre {:.4} {:.4} {:.4}, radius {radius:.4}", centre.x, centre.y, centre.z));
+    let features: Vec<&str> = Features::of(scene).flags().iter().filter(|(_, on)| *on).map(|(name, _)| *name).collect();
+    row("features", if features.is_empty() { "diffuse only".into() } else { features.join(", ") });
     text
 }
 
 /// The names after their number.
 fn counted(names: &[String]) -> String {
-    if names.is_empty() {
-        "0".into()
-    } else {
-        format!("{}: {}", names.len(), names.join(", "))
-    }
+    if names.is_empty() { "0".into() } else { format!("{}: {}", names.len(), names.join(", ")) }
 }
 
 fn lights(scene: &Scene) -> String {
@@ -107,16 +71,10 @@ fn lights(scene: &Scene) -> String {
             area += 0.5 * (b - a).cross(c - a).length();
         }
     }
-    let sky = scene
-        .sky
-        .map(|s| format!("a uniform sky of radiance {:.3} {:.3} {:.3}", s.x, s.y, s.z));
+    let sky = scene.sky.map(|s| format!("a uniform sky of radiance {:.3} {:.3} {:.3}", s.x, s.y, s.z));
     let triangles = (count > 0).then(|| format!("{count} emissive triangles of area {area:.4}"));
     let parts: Vec<String> = [triangles, sky].into_iter().flatten().collect();
-    if parts.is_empty() {
-        "none".into()
-    } else {
-        parts.join(", ")
-    }
+    if parts.is_empty() { "none".into() } else { parts.join(", ") }
 }
 
 #[cfg(test)]
@@ -127,13 +85,8 @@ mod tests {
 
     #[test]
     fn the_summary_of_a_lit_triangle() {
-        let light = Material {
-            name: "light".into(),
-            metallic: 0.0,
-            specular: 0.0,
-            emission: Vec3::ONE,
-            ..Material::default()
-        };
+        let light =
+            Material { name: "light".into(), metallic: 0.0, specular: 0.0, emission: Vec3::ONE, ..Material::default() };
         let camera = Camera {
             name: "Main".into(),
             world_from_camera: glam::Affine3A::IDENTITY,
@@ -147,14 +100,7 @@ mod tests {
             triangles: vec![[0, 1, 2]],
             triangle_materials: vec![0],
             materials: vec![light],
-            cameras: vec![
-                camera.clone(),
-                Camera {
-                    name: "Side".into(),
-                    aspect: None,
-                    ..camera
-                },
-            ],
+            cameras: vec![camera.clone(), Camera { name: "Side".into(), aspect: None, ..camera }],
             ..Scene::default()
         };
         let expected = "\

@@ -58,8 +58,7 @@ pub fn main() -> ExitCode {
 /// Keeps Mesa's device-select layer out where no desktop session runs: it looks for one and then says
 /// "error: XDG_RUNTIME_DIR is invalid or not set" on our standard error. emlt chooses its device itself.
 fn silence_device_select() {
-    let session =
-        env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).is_absolute());
+    let session = env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).is_absolute());
     if !session && env::var_os("NODEVICE_SELECT").is_none() {
         // SAFETY: this is the start of the program, so no other thread reads the environment.
         unsafe { env::set_var("NODEVICE_SELECT", "1") };
@@ -75,19 +74,16 @@ fn say(kind: &str, sentence: &str) {
 fn print(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Error::runtime(format!(
-            "cannot write to standard output: {e}"
-        ))),
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Error::runtime(format!("cannot write to standard output: {e}")))
+        }
         _ => Ok(()),
     }
 }
 
 /// Without line breaks and other control characters, which may come from a file's name or a driver.
 fn one_line(text: &str) -> String {
-    let plain: String = text
-        .chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
+    let plain: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     plain.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
@@ -97,10 +93,7 @@ fn usage_sentence(error: &clap::Error) -> String {
         return "no command given: try 'emlt render SCENE', or see 'emlt --help'".into();
     }
     let text = error.render().to_string();
-    let end = ["\n\nUsage:", "\n\nFor more information"]
-        .iter()
-        .filter_map(|s| text.find(s))
-        .min();
+    let end = ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|s| text.find(s)).min();
     let message = &text[..end.unwrap_or(text.len())];
     let message = one_line(message.strip_prefix("error: ").unwrap_or(message));
     format!("{message} (see 'emlt --help')")
@@ -118,14 +111,8 @@ fn report_panic(info: &panic::PanicHookInfo<'_>) {
         .copied()
         .or_else(|| payload.downcast_ref::<String>().map(String::as_str))
         .unwrap_or("unknown");
-    let place = info
-        .location()
-        .map(|l| format!(" at {}:{}", l.file(), l.line()))
-        .unwrap_or_default();
-    say(
-        "error",
-        &format!("internal fault{place} ({message}): please report it with the command line"),
-    );
+    let place = info.location().map(|l| format!(" at {}:{}", l.file(), l.line())).unwrap_or_default();
+    say("error", &format!("internal fault{place} ({message}): please report it with the command line"));
     process::exit(1);
 }
 
@@ -146,8 +133,7 @@ mod tests {
 
     #[test]
     fn usage_errors_become_one_sentence() {
-        let sentence =
-            |arguments: &[&str]| usage_sentence(&Cli::try_parse_from(arguments).unwrap_err());
+        let sentence = |arguments: &[&str]| usage_sentence(&Cli::try_parse_from(arguments).unwrap_err());
         assert_eq!(
             sentence(&["emlt", "render"]),
             "the following required arguments were not provided: <SCENE> (see 'emlt --help')"

@@ -86,14 +86,7 @@ struct Outputs {
 /// Renders and writes; success means that every file was written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let outputs = outputs(arguments)?;
-    for path in [
-        Some(&outputs.exr),
-        Some(&outputs.png),
-        outputs.maps.as_ref(),
-    ]
-    .into_iter()
-    .flatten()
-    {
+    for path in [Some(&outputs.exr), Some(&outputs.png), outputs.maps.as_ref()].into_iter().flatten() {
         file::check_writable(path)?;
     }
     let scene = import(&arguments.scene)?;
@@ -128,18 +121,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 /// The output paths, checked for what can be said without touching the disk.
 fn outputs(arguments: &Arguments) -> Result<Outputs> {
     if arguments.maps && arguments.method == Method::Pt {
-        return Err(Error::input(
-            "--maps needs --method emlt or mlt: path tracing makes no mutations",
-        ));
+        return Err(Error::input("--maps needs --method emlt or mlt: path tracing makes no mutations"));
     }
     let exr = match &arguments.output {
         Some(path) => path.clone(),
         None => {
             let stem = arguments.scene.file_stem().ok_or_else(|| {
-                Error::input(format!(
-                    "{} is not a scene file: give a .glb or .gltf file",
-                    arguments.scene.display()
-                ))
+                Error::input(format!("{} is not a scene file: give a .glb or .gltf file", arguments.scene.display()))
             })?;
             // Appended, not set, so that a name with dots keeps them.
             let mut name = stem.to_os_string();
@@ -155,17 +143,11 @@ fn outputs(arguments: &Arguments) -> Result<Outputs> {
         )));
     }
     let maps = arguments.maps.then(|| exr.with_extension("maps.png"));
-    Ok(Outputs {
-        png: exr.with_extension("png"),
-        maps,
-        exr,
-    })
+    Ok(Outputs { png: exr.with_extension("png"), maps, exr })
 }
 
 fn settings(arguments: &Arguments, camera: &Camera) -> Settings {
-    let (width, height) = arguments
-        .size
-        .unwrap_or_else(|| default_size(camera.aspect));
+    let (width, height) = arguments.size.unwrap_or_else(|| default_size(camera.aspect));
     Settings {
         method: arguments.method,
         width,
@@ -185,32 +167,15 @@ fn settings(arguments: &Arguments, camera: &Camera) -> Settings {
 
 fn default_size(aspect: Option<f32>) -> (u32, u32) {
     match aspect {
-        Some(a) => (
-            ((a * DEFAULT_HEIGHT as f32).round() as u32).clamp(1, MAX_SIDE),
-            DEFAULT_HEIGHT,
-        ),
+        Some(a) => (((a * DEFAULT_HEIGHT as f32).round() as u32).clamp(1, MAX_SIDE), DEFAULT_HEIGHT),
         None => (Settings::default().width, Settings::default().height),
     }
 }
 
 /// Writes every output and returns their paths; the EXR first, as it is the one that cannot be made from another.
-fn write(
-    outputs: &Outputs,
-    scene: &Scene,
-    settings: &Settings,
-    outcome: &Outcome,
-) -> Result<Vec<PathBuf>> {
-    let Outcome {
-        image,
-        channels,
-        statistics,
-    } = outcome;
-    exr::write(
-        &outputs.exr,
-        image,
-        channels,
-        &metadata::attributes(scene, settings, statistics),
-    )?;
+fn write(outputs: &Outputs, scene: &Scene, settings: &Settings, outcome: &Outcome) -> Result<Vec<PathBuf>> {
+    let Outcome { image, channels, statistics } = outcome;
+    exr::write(&outputs.exr, image, channels, &metadata::attributes(scene, settings, statistics))?;
     png::write_preview(&outputs.png, image)?;
     let mut files = vec![outputs.exr.clone(), outputs.png.clone()];
     if let Some(path) = &outputs.maps {
@@ -224,12 +189,9 @@ fn write(
 
 fn layer<'a>(channels: &'a [Channel], name: &str, path: &Path) -> Result<&'a [f32]> {
     let found = channels.iter().find(|c| c.name == name);
-    found.map(|c| c.values.as_slice()).ok_or_else(|| {
-        Error::runtime(format!(
-            "cannot write {}: the render has no {name} layer",
-            path.display()
-        ))
-    })
+    found
+        .map(|c| c.values.as_slice())
+        .ok_or_else(|| Error::runtime(format!("cannot write {}: the render has no {name} layer", path.display())))
 }
 
 fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
@@ -240,18 +202,12 @@ fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
 }
 
 fn parse_seconds(text: &str) -> std::result::Result<f64, String> {
-    let seconds = text
-        .parse()
-        .ok()
-        .filter(|s: &f64| s.is_finite() && *s > 0.0);
+    let seconds = text.parse().ok().filter(|s: &f64| s.is_finite() && *s > 0.0);
     seconds.ok_or_else(|| "give a number of seconds above 0".into())
 }
 
 fn parse_ensemble(text: &str) -> std::result::Result<u32, String> {
-    let paths = text
-        .parse()
-        .ok()
-        .filter(|n: &u32| (16..=1 << 22).contains(n) && n.is_multiple_of(2));
+    let paths = text.parse().ok().filter(|n: &u32| (16..=1 << 22).contains(n) && n.is_multiple_of(2));
     paths.ok_or_else(|| "give an even number from 16 to 4194304".into())
 }
 
@@ -271,20 +227,12 @@ mod tests {
     }
 
     fn camera(aspect: Option<f32>) -> Camera {
-        Camera {
-            name: "c".into(),
-            world_from_camera: glam::Affine3A::IDENTITY,
-            vertical_fov: 1.0,
-            aspect,
-        }
+        Camera { name: "c".into(), world_from_camera: glam::Affine3A::IDENTITY, vertical_fov: 1.0, aspect }
     }
 
     #[test]
     fn no_flags_give_the_default_settings() {
-        assert_eq!(
-            settings(&arguments("a.glb"), &camera(None)),
-            Settings::default()
-        );
+        assert_eq!(settings(&arguments("a.glb"), &camera(None)), Settings::default());
     }
 
     #[test]
@@ -305,29 +253,15 @@ mod tests {
         assert_eq!(names.exr, Path::new("a.b.exr"));
         assert_eq!(names.png, Path::new("a.b.png"));
         assert_eq!(names.maps.unwrap(), Path::new("a.b.maps.png"));
-        assert_eq!(
-            outputs(&arguments("a.glb -o x/y.EXR")).unwrap().png,
-            Path::new("x/y.png")
-        );
-        for bad in [
-            "a.glb -o a.png",
-            "a.glb -o a",
-            "..",
-            "a.glb --maps --method pt",
-        ] {
-            assert_eq!(
-                outputs(&arguments(bad)).unwrap_err().exit_status(),
-                2,
-                "{bad}"
-            );
+        assert_eq!(outputs(&arguments("a.glb -o x/y.EXR")).unwrap().png, Path::new("x/y.png"));
+        for bad in ["a.glb -o a.png", "a.glb -o a", "..", "a.glb --maps --method pt"] {
+            assert_eq!(outputs(&arguments(bad)).unwrap_err().exit_status(), 2, "{bad}");
         }
     }
 
     #[test]
     fn values_out_of_range_are_refused() {
-        for text in [
-            "", "x", "0x4", "4x0", "4x", "-1x3", "4.5x3", "99999x2", "1x2x3", "4 x 3",
-        ] {
+        for text in ["", "x", "0x4", "4x0", "4x", "-1x3", "4.5x3", "99999x2", "1x2x3", "4 x 3"] {
             assert!(parse_size(text).is_err(), "{text}");
         }
         assert_eq!(parse_size("1X16384"), Ok((1, 16384)));

@@ -86,9 +86,11 @@ impl Start<'_> {
         let mut strategies = Strategies::uniform(self.max_edges, self.features.sky);
         let mut rays = 0;
         let (pilot, list) = self.candidates(run, &strategies, PILOT, PILOT_PASS, &mut rays)?;
-        strategies = strategies.adapted(list.iter().zip(&pilot).map(|(strategy, candidate)| {
-            (*strategy, weight(candidate), f64::from(candidate.rays))
-        }));
+        strategies = strategies.adapted(
+            list.iter()
+                .zip(&pilot)
+                .map(|(strategy, candidate)| (*strategy, weight(candidate), f64::from(candidate.rays))),
+        );
         let (candidates, list) = self.candidates(run, &strategies, CANDIDATES, CANDIDATE_PASS, &mut rays)?;
         let weights: Vec<f64> = candidates.iter().map(weight).collect();
         let mut b = Mean::default();
@@ -120,11 +122,11 @@ impl Start<'_> {
         let [variant, _] = variants(self.features, self.max_edges);
         for first in (0..count).step_by(BATCH as usize) {
             let entries = BATCH.min(count - first);
-            let words: Vec<u32> = (first..first + entries)
-                .flat_map(|i| [list[i as usize][0], list[i as usize][1], i])
-                .collect();
+            let words: Vec<u32> =
+                (first..first + entries).flat_map(|i| [list[i as usize][0], list[i as usize][1], i]).collect();
             run.set_lists(&words);
-            let uniform = PassUniform { entries, pass_index, seed: self.seed, stride: self.paths, ..Default::default() };
+            let uniform =
+                PassUniform { entries, pass_index, seed: self.seed, stride: self.paths, ..Default::default() };
             run.submit(&[Dispatch { variant: variant.clone(), uniform }])?;
             let bytes = run.read(Buffer::Output, &[0..16 * u64::from(entries)])?;
             candidates.extend_from_slice(bytemuck::cast_slice(&bytes));
@@ -171,8 +173,7 @@ impl Start<'_> {
 
     /// Makes the chosen candidates again, into the chains.
     fn fill(&self, run: &mut Run, list: &[[u32; 2]], chosen: &[u32]) -> crate::Result<()> {
-        let words: Vec<u32> =
-            chosen.iter().flat_map(|&i| [list[i as usize][0], list[i as usize][1], i]).collect();
+        let words: Vec<u32> = chosen.iter().flat_map(|&i| [list[i as usize][0], list[i as usize][1], i]).collect();
         run.set_lists(&words);
         let [_, variant] = variants(self.features, self.max_edges);
         let uniform = PassUniform {

@@ -73,22 +73,13 @@ impl Pool {
             *counts.entry(key).or_default() += 1;
         }
 
-        let mut pool = Self {
-            order: vec![0; keys.len()],
-            ..Self::default()
-        };
+        let mut pool = Self { order: vec![0; keys.len()], ..Self::default() };
         let mut offset = 0;
         for (&key, &count) in &counts {
-            pool.types.push(TypeNode {
-                key,
-                range: NodeRange { offset, count },
-            });
+            pool.types.push(TypeNode { key, range: NodeRange { offset, count } });
             match pool.lengths.last_mut() {
                 Some(node) if node.edges == key.edges() => node.range.count += count,
-                _ => pool.lengths.push(LengthNode {
-                    edges: key.edges(),
-                    range: NodeRange { offset, count },
-                }),
+                _ => pool.lengths.push(LengthNode { edges: key.edges(), range: NodeRange { offset, count } }),
             }
             offset += count;
         }
@@ -108,25 +99,18 @@ impl Pool {
     ///
     /// Exactness asks only that x and y use the same rule (METHOD.md 3.2): every look-up goes through here.
     pub fn node(&self, key: TypeKey) -> Option<NodeRange> {
-        self.type_node(key)
-            .or_else(|| self.length_node(key.edges()))
+        self.type_node(key).or_else(|| self.length_node(key.edges()))
     }
 
     /// The paths of exactly this type, if there are any.
     pub fn type_node(&self, key: TypeKey) -> Option<NodeRange> {
-        let at = self
-            .types
-            .binary_search_by_key(&key, |node| node.key)
-            .ok()?;
+        let at = self.types.binary_search_by_key(&key, |node| node.key).ok()?;
         Some(self.types[at].range)
     }
 
     /// The paths of this length, if there are any.
     pub fn length_node(&self, edges: u32) -> Option<NodeRange> {
-        let at = self
-            .lengths
-            .binary_search_by_key(&edges, |node| node.edges)
-            .ok()?;
+        let at = self.lengths.binary_search_by_key(&edges, |node| node.edges).ok()?;
         Some(self.lengths[at].range)
     }
 
@@ -151,13 +135,9 @@ impl Pool {
             let members = self.members(node.range);
             if applicable(node.key) {
                 let guide_node = list.nodes.len() as u32;
-                let range = guides.node(node.key).unwrap_or(NodeRange {
-                    offset: 0,
-                    count: 0,
-                });
+                let range = guides.node(node.key).unwrap_or(NodeRange { offset: 0, count: 0 });
                 list.nodes.push([range.offset, range.count]);
-                list.entries
-                    .extend(members.iter().map(|&path| [path, guide_node]));
+                list.entries.extend(members.iter().map(|&path| [path, guide_node]));
             } else {
                 list.idle.extend_from_slice(members);
             }
@@ -207,35 +187,11 @@ mod tests {
         let keys = [&[D, R][..], &[D], &[D, R], &[T, R], &[D]].map(TypeKey::from_tags);
         let pool = Pool::build(&keys, 10);
         assert_eq!(pool.order, [11, 14, 10, 12, 13]);
-        assert_eq!(
-            pool.node(keys[1]),
-            Some(NodeRange {
-                offset: 0,
-                count: 2
-            })
-        );
-        assert_eq!(
-            pool.node(keys[0]),
-            Some(NodeRange {
-                offset: 2,
-                count: 2
-            })
-        );
-        assert_eq!(
-            pool.node(keys[3]),
-            Some(NodeRange {
-                offset: 4,
-                count: 1
-            })
-        );
+        assert_eq!(pool.node(keys[1]), Some(NodeRange { offset: 0, count: 2 }));
+        assert_eq!(pool.node(keys[0]), Some(NodeRange { offset: 2, count: 2 }));
+        assert_eq!(pool.node(keys[3]), Some(NodeRange { offset: 4, count: 1 }));
         // No path of this type: back to all paths of its length.
-        assert_eq!(
-            pool.node(TypeKey::from_tags(&[D, D])),
-            Some(NodeRange {
-                offset: 2,
-                count: 3
-            })
-        );
+        assert_eq!(pool.node(TypeKey::from_tags(&[D, D])), Some(NodeRange { offset: 2, count: 3 }));
         assert_eq!(pool.node(TypeKey::from_tags(&[D, D, D])), None);
     }
 
@@ -260,27 +216,16 @@ mod tests {
             expected.sort_by_key(|&index| keys[index as usize - 500]);
             assert_eq!(pool.order, expected);
             for node in &pool.types {
-                assert!(
-                    pool.members(node.range)
-                        .iter()
-                        .all(|&index| keys[index as usize - 500] == node.key)
-                );
+                assert!(pool.members(node.range).iter().all(|&index| keys[index as usize - 500] == node.key));
                 assert_eq!(pool.node(node.key), Some(node.range));
             }
             for node in &pool.lengths {
                 let of_length = |&index: &u32| keys[index as usize - 500].edges() == node.edges;
                 assert!(pool.members(node.range).iter().all(of_length));
             }
-            let covered =
-                |ranges: Vec<NodeRange>| ranges.iter().map(|range| range.count).sum::<u32>();
-            assert_eq!(
-                covered(pool.types.iter().map(|node| node.range).collect()),
-                100_000
-            );
-            assert_eq!(
-                covered(pool.lengths.iter().map(|node| node.range).collect()),
-                100_000
-            );
+            let covered = |ranges: Vec<NodeRange>| ranges.iter().map(|range| range.count).sum::<u32>();
+            assert_eq!(covered(pool.types.iter().map(|node| node.range).collect()), 100_000);
+            assert_eq!(covered(pool.lengths.iter().map(|node| node.range).collect()), 100_000);
         }
     }
 
@@ -296,10 +241,7 @@ mod tests {
                 assert_eq!(set.len() as u32, guides);
             }
         }
-        assert_eq!(
-            (1..=3).map(|o| select(9, o, 5)).collect::<Vec<_>>(),
-            [0, 1, 2]
-        );
+        assert_eq!((1..=3).map(|o| select(9, o, 5)).collect::<Vec<_>>(), [0, 1, 2]);
     }
 
     #[test]
@@ -312,10 +254,7 @@ mod tests {
         assert_eq!(list.nodes, [[0, 2], [0, 2]]);
         assert_eq!(list.idle, [1]);
         let unguided = moving.dispatch_list(|key| key == short, &guides);
-        assert_eq!(
-            (unguided.entries, unguided.nodes, unguided.idle),
-            (vec![[1, 0]], vec![[0, 0]], vec![0, 3, 2])
-        );
+        assert_eq!((unguided.entries, unguided.nodes, unguided.idle), (vec![[1, 0]], vec![[0, 0]], vec![0, 3, 2]));
     }
 
     /// Prints the cost a path for growing pools of 40 keys: run with `--ignored --nocapture`.
@@ -327,10 +266,7 @@ mod tests {
             let start = std::time::Instant::now();
             let pool = Pool::build(&keys, 0);
             let ns = start.elapsed().as_nanos() as f64 / count as f64;
-            println!(
-                "{count} paths, {} keys: {ns:.1} ns a path",
-                pool.types.len()
-            );
+            println!("{count} paths, {} keys: {ns:.1} ns a path", pool.types.len());
         }
     }
 }

@@ -51,10 +51,7 @@ impl Similarity {
     /// From the d^2 of each guide; `None` if there is no guide.
     pub fn from_squared_distances(squared: &[f64]) -> Option<Self> {
         let log_max = -0.5 * squared.iter().copied().min_by(f64::total_cmp)?;
-        let mut weights: Vec<f64> = squared
-            .iter()
-            .map(|d2| (-0.5 * d2 - log_max).exp())
-            .collect();
+        let mut weights: Vec<f64> = squared.iter().map(|d2| (-0.5 * d2 - log_max).exp()).collect();
         let sum: f64 = weights.iter().sum();
         weights.iter_mut().for_each(|weight| *weight /= sum);
         let log_mean = log_max + (sum / squared.len() as f64).ln();
@@ -68,12 +65,7 @@ impl Similarity {
 /// Up to 256 members spread evenly over `pool.order` are each compared with `guides` members of the node they would
 /// find if they were not in the pool themselves (C12: leave a member out of its own S).
 /// `None` if no member has another of its length.
-pub fn similarity_median(
-    pool: &Pool,
-    positions: Positions,
-    bandwidth: f32,
-    guides: u32,
-) -> Option<f32> {
+pub fn similarity_median(pool: &Pool, positions: Positions, bandwidth: f32, guides: u32) -> Option<f32> {
     let count = pool.order.len();
     let samples = count.min(SUBSAMPLE);
     let mut values: Vec<f64> = (0..samples)
@@ -93,20 +85,11 @@ pub fn similarity_median(
 }
 
 /// S of the member at `order[at]` against the others; `None` if it is alone.
-fn leave_one_out(
-    pool: &Pool,
-    at: u32,
-    positions: Positions,
-    bandwidth: f64,
-    guides: u32,
-) -> Option<f64> {
+fn leave_one_out(pool: &Pool, at: u32, positions: Positions, bandwidth: f64, guides: u32) -> Option<f64> {
     let key = key_at(pool, at);
     // Without itself, a single member of a type would be guided by its length.
     let has_peers = |node: &NodeRange| node.count > 1;
-    let node = pool
-        .type_node(key)
-        .filter(has_peers)
-        .or_else(|| pool.length_node(key.edges()).filter(has_peers))?;
+    let node = pool.type_node(key).filter(has_peers).or_else(|| pool.length_node(key.edges()).filter(has_peers))?;
     let path = pool.order[at as usize];
     let rank = at - node.offset;
     let members = pool.members(node);
@@ -166,10 +149,7 @@ mod tests {
         // Neighbours at distance 1, one guide each, the last one compared with the first: d = 1, 1, 2.
         let rows = line(&[0.0, 1.0, 2.0]);
         let pool = Pool::build(&[key(&[]); 3], 0);
-        let positions = Positions {
-            rows: &rows,
-            stride: 3,
-        };
+        let positions = Positions { rows: &rows, stride: 3, first_path: 0 };
         assert_eq!(similarity_median(&pool, positions, 1.0, 1), Some(-0.5));
         // All others: (1, 2), (1, 1), (1, 2); with itself each S would be larger.
         let expected = ((-0.5f64).exp() / 2.0 + (-2.0f64).exp() / 2.0).ln() as f32;
@@ -181,10 +161,7 @@ mod tests {
     fn a_single_member_of_a_type_is_compared_with_its_length() {
         use Tag::{Diffuse as D, Reflection as R};
         let rows: Vec<[f32; 4]> = [0.0, 3.0, 0.0, 3.0].map(|x| [x, 0.0, 0.0, 0.0]).to_vec();
-        let positions = Positions {
-            rows: &rows,
-            stride: 2,
-        };
+        let positions = Positions { rows: &rows, stride: 2, first_path: 0 };
         let pool = Pool::build(&[key(&[D]), key(&[R])], 0);
         assert_eq!(similarity_median(&pool, positions, 3.0, 4), Some(-0.5));
         let alone = Pool::build(&[key(&[D]), key(&[])], 0);
@@ -194,27 +171,19 @@ mod tests {
 
     #[test]
     fn the_second_half_is_read_at_its_own_indices() {
-        let rows = line(&[50.0, 90.0, 0.0, 1.0]);
+        let rows = line(&[0.0, 1.0]);
         let pool = Pool::build(&[key(&[]); 2], 2);
-        let positions = Positions {
-            rows: &rows,
-            stride: 4,
-        };
+        let positions = Positions { rows: &rows, stride: 2, first_path: 2 };
         assert_eq!(similarity_median(&pool, positions, 1.0, 8), Some(-0.5));
     }
 
     #[test]
     fn a_large_pool_is_sampled_evenly() {
         // Distances to the next member grow linearly, so the median is near the middle one.
-        let xs: Vec<f32> = (0..10_000)
-            .map(|i| 0.5 * 1e-4 * (i as f32).powi(2))
-            .collect();
+        let xs: Vec<f32> = (0..10_000).map(|i| 0.5 * 1e-4 * (i as f32).powi(2)).collect();
         let rows = line(&xs);
         let pool = Pool::build(&vec![key(&[]); xs.len()], 0);
-        let positions = Positions {
-            rows: &rows,
-            stride: xs.len(),
-        };
+        let positions = Positions { rows: &rows, stride: xs.len(), first_path: 0 };
         let median = similarity_median(&pool, positions, 1.0, 1).unwrap();
         assert!((median + 0.125).abs() < 0.01, "{median}");
     }

@@ -7,8 +7,8 @@ use super::bootstrap::{Bootstrap, Mean};
 use super::pool::{Pool, TypeKey};
 use super::similarity::{Positions, similarity_median};
 use crate::gpu::layout::{
-    COUNTER_ACCEPTED, COUNTER_JUMP_HIGH, COUNTER_JUMP_LOW, COUNTER_NON_FINITE, COUNTER_RAYS,
-    COUNTER_WORDS, JUMP_SCALE, PassUniform, ROW_KEY, ROW_VERTICES,
+    COUNTER_ACCEPTED, COUNTER_JUMP_HIGH, COUNTER_JUMP_LOW, COUNTER_NON_FINITE, COUNTER_RAYS, COUNTER_WORDS, JUMP_SCALE,
+    PassUniform, ROW_KEY, ROW_VERTICES,
 };
 use crate::gpu::run::{Buffer, Dispatch, Run};
 use crate::gpu::shader::{GUIDES, Variant};
@@ -69,8 +69,7 @@ impl Build {
 
     /// All pipelines of a mix.
     pub fn variants(&self, mix: &Mix) -> Vec<Variant> {
-        let mut variants: Vec<Variant> =
-            mix.kernels().iter().map(|k| self.variant(k.pass, k.flags)).collect();
+        let mut variants: Vec<Variant> = mix.kernels().iter().map(|k| self.variant(k.pass, k.flags)).collect();
         variants.push(self.variant("weigh", &[]));
         variants.push(self.variant("rest", &[]));
         variants
@@ -189,13 +188,9 @@ impl Ensemble {
             .collect();
         entries.sort_by_key(|e| (e[1] & 0xffff, e[1] >> 16));
         run.set_lists(bytemuck::cast_slice(&entries));
-        let uniform = PassUniform {
-            pass_index: self.pass_index,
-            entries: self.half_paths(),
-            ..self.build.uniform()
-        };
-        let dispatches = ["weigh", "independence"]
-            .map(|pass| Dispatch { variant: self.build.variant(pass, &[]), uniform });
+        let uniform = PassUniform { pass_index: self.pass_index, entries: self.half_paths(), ..self.build.uniform() };
+        let dispatches =
+            ["weigh", "independence"].map(|pass| Dispatch { variant: self.build.variant(pass, &[]), uniform });
         self.tallies[0].mutations += u64::from(self.half_paths());
         self.pass_index += 1;
         run.submit(&dispatches)
@@ -207,9 +202,7 @@ impl Ensemble {
         let kernels = self.mix.kernels();
         // All perturbations so far apply to the same types, so one list serves them all.
         let applies = self.mix.passes.first().map(|k| k.applies);
-        let list = self.halves[half]
-            .pool
-            .dispatch_list(|key| applies.is_some_and(|f| f(key)), &guides.pool);
+        let list = self.halves[half].pool.dispatch_list(|key| applies.is_some_and(|f| f(key)), &guides.pool);
         let mut words: Vec<u32> = list.entries.iter().flatten().copied().collect();
         let idle_offset = words.len() as u32;
         words.extend(list.idle.iter().flat_map(|&path| [path, 0]));
@@ -275,11 +268,8 @@ impl Ensemble {
             })
             .collect();
         let bytes = run.read(Buffer::Chains, &ranges)?;
-        let positions = Positions {
-            rows: bytemuck::cast_slice(&bytes),
-            stride: count as usize,
-            first_path: self.first_path(half),
-        };
+        let positions =
+            Positions { rows: bytemuck::cast_slice(&bytes), stride: count as usize, first_path: self.first_path(half) };
         // A pool in which no path has company guides nobody: any median will do.
         self.halves[half].similarity_median =
             similarity_median(pool, positions, SIMILARITY_RADIUS, GUIDES).unwrap_or(0.0);
@@ -293,9 +283,12 @@ impl Ensemble {
     }
 
     fn pool_of(&self, rows: &[[u32; 4]], half: usize) -> Result<Pool> {
-        let keys: Option<Vec<TypeKey>> =
-            rows.iter().map(|row| TypeKey::from_words([row[0], row[1]])).collect();
-        let keys = keys.ok_or_else(|| Error::runtime("the device returned paths without a type: its driver miscomputes, try another with --device"))?;
+        let keys: Option<Vec<TypeKey>> = rows.iter().map(|row| TypeKey::from_words([row[0], row[1]])).collect();
+        let keys = keys.ok_or_else(|| {
+            Error::runtime(
+                "the device returned paths without a type: its driver miscomputes, try another with --device",
+            )
+        })?;
         Ok(Pool::build(&keys, self.first_path(half)))
     }
 

@@ -29,10 +29,7 @@ impl TypeKey {
     /// # Panics
     /// If `edges` is out of range or `tags` has bits beyond the interior vertices: both are bugs of the caller.
     pub fn new(edges: u32, tags: u64) -> Self {
-        assert!(
-            (1..=MAX_EDGES).contains(&edges),
-            "a path has 1 to {MAX_EDGES} edges, not {edges}"
-        );
+        assert!((1..=MAX_EDGES).contains(&edges), "a path has 1 to {MAX_EDGES} edges, not {edges}");
         let sentinel = 1u64 << (2 * (edges - 1));
         assert!(tags < sentinel, "more tags than interior vertices");
         Self(sentinel | tags)
@@ -40,11 +37,7 @@ impl TypeKey {
 
     /// The key of a path with these interior vertices, from the light to the camera.
     pub fn from_tags(tags: &[Tag]) -> Self {
-        let packed = tags
-            .iter()
-            .enumerate()
-            .take(MAX_EDGES as usize)
-            .map(|(i, &tag)| (tag as u64) << (2 * i));
+        let packed = tags.iter().enumerate().take(MAX_EDGES as usize).map(|(i, &tag)| (tag as u64) << (2 * i));
         Self::new(tags.len() as u32 + 1, packed.sum())
     }
 
@@ -75,10 +68,7 @@ impl TypeKey {
 
     /// The two tag bits of interior vertex `i`, 1 (next to the light) to `edges() - 1` (next to the camera).
     pub fn tag_bits(self, i: u32) -> u32 {
-        debug_assert!(
-            (1..self.edges()).contains(&i),
-            "vertex {i} is not an interior vertex"
-        );
+        debug_assert!((1..self.edges()).contains(&i), "vertex {i} is not an interior vertex");
         (self.0 >> (2 * (i - 1))) as u32 & 3
     }
 
@@ -96,8 +86,7 @@ mod tests {
     /// Keys of every length, three tag patterns each.
     fn keys() -> Vec<TypeKey> {
         let key = |edges| {
-            [0x2612_4890_1249_2612u64, 0, u64::MAX / 3]
-                .map(|tags| TypeKey::new(edges, tags % (1 << (2 * (edges - 1)))))
+            [0x2612_4890_1249_2612u64, 0, u64::MAX / 3].map(|tags| TypeKey::new(edges, tags % (1 << (2 * (edges - 1)))))
         };
         (1..=MAX_EDGES).flat_map(key).collect()
     }
@@ -106,10 +95,7 @@ mod tests {
     fn key_holds_length_and_tags() {
         let key = TypeKey::from_tags(&[D, T, R]);
         assert_eq!((key.edges(), key.bits()), (4, 0b01_01_10_00));
-        assert_eq!(
-            (1..4).map(|i| key.tag_bits(i)).collect::<Vec<_>>(),
-            [0, 2, 1]
-        );
+        assert_eq!((1..4).map(|i| key.tag_bits(i)).collect::<Vec<_>>(), [0, 2, 1]);
         assert!(key.is_diffuse(1) && !key.is_diffuse(2));
         assert_eq!(TypeKey::from_tags(&[]).edges(), 1);
         assert_eq!(TypeKey::from_tags(&[T; 31]).edges(), MAX_EDGES);

@@ -48,46 +48,26 @@ pub struct ExrFile {
 impl ExrFile {
     /// The channel called `name`.
     pub fn channel(&self, name: &str) -> Option<&[f32]> {
-        self.channels
-            .iter()
-            .find(|c| c.name == name)
-            .map(|c| c.values.as_slice())
+        self.channels.iter().find(|c| c.name == name).map(|c| c.values.as_slice())
     }
 
     /// The attribute called `name`.
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
-        self.attributes
-            .iter()
-            .find(|(n, _)| n == name)
-            .map(|(_, value)| value)
+        self.attributes.iter().find(|(n, _)| n == name).map(|(_, value)| value)
     }
 
     /// Channels R, G, B with `prefix` in front (as `Variance.`, or nothing); none where one is missing.
     pub fn image(&self, prefix: &str) -> Option<Image> {
         let [r, g, b] = ["R", "G", "B"].map(|c| self.channel(&format!("{prefix}{c}")));
-        let pixels = r?
-            .iter()
-            .zip(g?)
-            .zip(b?)
-            .map(|((r, g), b)| [*r, *g, *b])
-            .collect();
-        Some(Image {
-            width: self.width,
-            height: self.height,
-            pixels,
-        })
+        let pixels = r?.iter().zip(g?).zip(b?).map(|((r, g), b)| [*r, *g, *b]).collect();
+        Some(Image { width: self.width, height: self.height, pixels })
     }
 }
 
 /// Writes `image` as R, G, B with further `channels` of the same size, and `attributes` in the header.
 ///
 /// The same arguments give the same bytes. Names that EXR reserves, `version` among them, are an error. Panics where a channel's length is not the image's.
-pub fn write(
-    path: &Path,
-    image: &Image,
-    channels: &[Channel],
-    attributes: &[(String, Attribute)],
-) -> Result<()> {
+pub fn write(path: &Path, image: &Image, channels: &[Channel], attributes: &[(String, Attribute)]) -> Result<()> {
     let failed = |e| Error::runtime(format!("cannot write {}: {e}", path.display()));
     write_whole(path, &encode(image, channels, attributes).map_err(failed)?)
 }
@@ -102,24 +82,11 @@ fn encode(
     let mut list: Vec<AnyChannel<FlatSamples>> = ["R", "G", "B"]
         .iter()
         .enumerate()
-        .map(|(c, name)| {
-            AnyChannel::new(
-                *name,
-                FlatSamples::F32(image.pixels.iter().map(|p| p[c]).collect()),
-            )
-        })
+        .map(|(c, name)| AnyChannel::new(*name, FlatSamples::F32(image.pixels.iter().map(|p| p[c]).collect())))
         .collect();
     for channel in channels {
-        assert_eq!(
-            channel.values.len(),
-            count,
-            "values of channel {}",
-            channel.name
-        );
-        list.push(AnyChannel::new(
-            text(&channel.name),
-            FlatSamples::F32(channel.values.clone()),
-        ));
+        assert_eq!(channel.values.len(), count, "values of channel {}", channel.name);
+        list.push(AnyChannel::new(text(&channel.name), FlatSamples::F32(channel.values.clone())));
     }
     let mut layer_attributes = LayerAttributes::default();
     for (name, value) in attributes {
@@ -135,16 +102,9 @@ fn encode(
         line_order: LineOrder::Increasing,
     };
     let size = (image.width as usize, image.height as usize);
-    let layer = Layer::new(
-        size,
-        layer_attributes,
-        encoding,
-        AnyChannels::sort(list.into_iter().collect()),
-    );
+    let layer = Layer::new(size, layer_attributes, encoding, AnyChannels::sort(list.into_iter().collect()));
     let mut bytes = Cursor::new(Vec::new());
-    ::exr::image::Image::from_layer(layer)
-        .write()
-        .to_buffered(&mut bytes)?;
+    ::exr::image::Image::from_layer(layer).write().to_buffered(&mut bytes)?;
     let mut bytes = bytes.into_inner();
     sort_header(&mut bytes);
     Ok(bytes)
@@ -166,12 +126,7 @@ fn sort_header(bytes: &mut [u8]) {
     let mut at = START;
     while bytes[at] != 0 {
         let size_at = end_of_string(end_of_string(at));
-        let size = i32::from_le_bytes([
-            bytes[size_at],
-            bytes[size_at + 1],
-            bytes[size_at + 2],
-            bytes[size_at + 3],
-        ]);
+        let size = i32::from_le_bytes([bytes[size_at], bytes[size_at + 1], bytes[size_at + 2], bytes[size_at + 3]]);
         let end = size_at + 4 + size as usize;
         entries.push(bytes[at..end].to_vec());
         at = end;
@@ -195,27 +150,15 @@ pub fn read(path: &Path) -> Result<ExrFile> {
         .from_buffered(Cursor::new(bytes))
         .map_err(|e| Error::input(format!("{shown} cannot be read as an EXR image: {e}")))?;
     let size = image.layer_data.first().map(|l| l.size).unwrap_or_default();
-    let mut file = ExrFile {
-        width: size.width() as u32,
-        height: size.height() as u32,
-        channels: vec![],
-        attributes: vec![],
-    };
+    let mut file =
+        ExrFile { width: size.width() as u32, height: size.height() as u32, channels: vec![], attributes: vec![] };
     let mut attributes: Vec<_> = image.attributes.other.iter().collect();
     for layer in image.layer_data.iter().filter(|l| l.size == size) {
         attributes.extend(&layer.attributes.other);
-        let prefix = layer
-            .attributes
-            .layer_name
-            .as_ref()
-            .map(|n| format!("{}.", string(n)))
-            .unwrap_or_default();
+        let prefix = layer.attributes.layer_name.as_ref().map(|n| format!("{}.", string(n))).unwrap_or_default();
         for channel in &layer.channel_data.list {
             let name = format!("{prefix}{}", string(&channel.name));
-            file.channels.push(Channel {
-                name,
-                values: channel.sample_data.values_as_f32().collect(),
-            });
+            file.channels.push(Channel { name, values: channel.sample_data.values_as_f32().collect() });
         }
     }
     for (name, value) in attributes {
@@ -242,51 +185,21 @@ mod tests {
 
     /// Values that a careless path through half floats, text or arithmetic would change.
     fn example() -> (Image, Vec<Channel>, Vec<(String, Attribute)>) {
-        let odd = [
-            0.0,
-            -0.0,
-            1e-45,
-            f32::MIN_POSITIVE,
-            0.1,
-            65519.9,
-            f32::MAX,
-            -3.5,
-            f32::INFINITY,
-        ];
-        let odd: Vec<f32> = odd
-            .into_iter()
-            .chain([f32::NEG_INFINITY, f32::from_bits(0x7fc1_2345)])
-            .collect();
+        let odd = [0.0, -0.0, 1e-45, f32::MIN_POSITIVE, 0.1, 65519.9, f32::MAX, -3.5, f32::INFINITY];
+        let odd: Vec<f32> = odd.into_iter().chain([f32::NEG_INFINITY, f32::from_bits(0x7fc1_2345)]).collect();
         let (width, height) = (37, 19);
         let value = |i: usize| {
-            if i.is_multiple_of(5) {
-                odd[(i / 5) % odd.len()]
-            } else {
-                (i as f32).sin()
-            }
+            if i.is_multiple_of(5) { odd[(i / 5) % odd.len()] } else { (i as f32).sin() }
         };
-        let pixels = (0..width * height)
-            .map(|i| [value(3 * i), value(3 * i + 1), value(3 * i + 2)])
-            .collect();
-        let maps = Channel {
-            name: "Maps.Horizontal".into(),
-            values: (0..width * height).map(value).collect(),
-        };
+        let pixels = (0..width * height).map(|i| [value(3 * i), value(3 * i + 1), value(3 * i + 2)]).collect();
+        let maps = Channel { name: "Maps.Horizontal".into(), values: (0..width * height).map(value).collect() };
         let attributes = vec![
             ("scene".into(), "Türme von 東京".into()),
             ("seed".into(), f64::from(u32::MAX).into()),
             ("b".into(), 0.1.into()),
             ("kernelMix".into(), "".into()),
         ];
-        (
-            Image {
-                width: width as u32,
-                height: height as u32,
-                pixels,
-            },
-            vec![maps],
-            attributes,
-        )
+        (Image { width: width as u32, height: height as u32, pixels }, vec![maps], attributes)
     }
 
     fn bits(image: &Image) -> Vec<[u32; 3]> {
@@ -302,20 +215,8 @@ mod tests {
         let file = read(&path).unwrap();
         assert_eq!((file.width, file.height), (image.width, image.height));
         assert_eq!(bits(&file.image("").unwrap()), bits(&image));
-        let maps: Vec<u32> = file
-            .channel("Maps.Horizontal")
-            .unwrap()
-            .iter()
-            .map(|v| v.to_bits())
-            .collect();
-        assert_eq!(
-            maps,
-            channels[0]
-                .values
-                .iter()
-                .map(|v| v.to_bits())
-                .collect::<Vec<_>>()
-        );
+        let maps: Vec<u32> = file.channel("Maps.Horizontal").unwrap().iter().map(|v| v.to_bits()).collect();
+        assert_eq!(maps, channels[0].values.iter().map(|v| v.to_bits()).collect::<Vec<_>>());
         assert_eq!(file.channels.len(), 4);
         for (name, value) in &attributes {
             assert_eq!(file.attribute(name), Some(value), "{name}");

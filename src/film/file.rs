@@ -11,16 +11,10 @@ use crate::{Error, Result};
 /// An error is bad usage ([`Error::Input`]): the user chose the path.
 pub fn check_writable(path: &Path) -> Result<()> {
     if path.is_dir() {
-        return Err(Error::input(format!(
-            "{} is a folder: give the name of a file in it",
-            path.display()
-        )));
+        return Err(Error::input(format!("{} is a folder: give the name of a file in it", path.display())));
     }
     if fs::metadata(path).is_ok_and(|m| m.permissions().readonly()) {
-        return Err(Error::input(format!(
-            "{} is write-protected: choose another output file",
-            path.display()
-        )));
+        return Err(Error::input(format!("{} is write-protected: choose another output file", path.display())));
     }
     let temporary = temporary_beside(path);
     match create(&temporary) {
@@ -57,11 +51,7 @@ fn temporary_beside(path: &Path) -> PathBuf {
 }
 
 fn create(path: &Path) -> io::Result<File> {
-    OpenOptions::new()
-        .write(true)
-        .create(true)
-        .truncate(true)
-        .open(path)
+    OpenOptions::new().write(true).create(true).truncate(true).open(path)
 }
 
 fn sentence(path: &Path, error: &io::Error) -> String {
@@ -95,10 +85,7 @@ mod tests {
     use super::*;
 
     fn names(folder: &Path) -> Vec<String> {
-        fs::read_dir(folder)
-            .unwrap()
-            .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
-            .collect()
+        fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect()
     }
 
     #[test]
@@ -122,10 +109,7 @@ mod tests {
             (folder.path().to_path_buf(), "is a folder"),
             (folder.path().join("absent/a.exr"), "there is no folder"),
             (file.join("a.exr"), "is not a folder"),
-            (
-                folder.path().join("x".repeat(300)),
-                "name is not valid or too long",
-            ),
+            (folder.path().join("x".repeat(300)), "name is not valid or too long"),
         ] {
             let error = check_writable(&path).unwrap_err();
             assert!(error.to_string().contains(words), "{error}");

@@ -32,11 +32,7 @@ pub struct Errors {
 /// Compares `image` with `reference`; `reference_variance` holds the variance of each of the reference's pixel values.
 ///
 /// Images of different sizes, and a reference without light (no relative error exists), are [`Error::Input`].
-pub fn compare(
-    image: &Image,
-    reference: &Image,
-    reference_variance: Option<&Image>,
-) -> Result<Errors> {
+pub fn compare(image: &Image, reference: &Image, reference_variance: Option<&Image>) -> Result<Errors> {
     for other in [Some(image), reference_variance].into_iter().flatten() {
         if (other.width, other.height) != (reference.width, reference.height) {
             return Err(Error::input(format!(
@@ -47,9 +43,7 @@ pub fn compare(
     }
     let mean = mean_luminance(reference);
     if !(mean > 0.0 && mean.is_finite()) {
-        return Err(Error::input(
-            "the reference is black or not finite, so no relative error exists",
-        ));
+        return Err(Error::input("the reference is black or not finite, so no relative error exists"));
     }
     let floor = FLOOR * mean * mean;
     let (a, r) = (doubles(image), doubles(reference));
@@ -58,31 +52,21 @@ pub fn compare(
     let blocks = |values: &[[f64; 3]]| block_means(values, image.width, image.height);
     let block_variance = v.as_ref().map(|v| {
         let (means, counts) = blocks(v);
-        means
-            .iter()
-            .zip(counts)
-            .map(|(m, n)| m.map(|x| x / n))
-            .collect::<Vec<_>>()
+        means.iter().zip(counts).map(|(m, n)| m.map(|x| x / n)).collect::<Vec<_>>()
     });
     Ok(Errors {
         mse: mean_over(&a, &r, v.as_deref(), |d2, _| d2),
         mae: mean_over(&a, &r, None, |d2, _| d2.sqrt()),
         rel_mse: mean_over(&a, &r, v.as_deref(), |d2, r| d2 / (r * r + floor)),
-        rel_mse_blocks: mean_over(
-            &blocks(&a).0,
-            &blocks(&r).0,
-            block_variance.as_deref(),
-            |d2, r| d2 / (r * r + floor),
-        ),
+        rel_mse_blocks: mean_over(&blocks(&a).0, &blocks(&r).0, block_variance.as_deref(), |d2, r| {
+            d2 / (r * r + floor)
+        }),
     })
 }
 
 /// Mean Rec.709 luminance over the pixels.
 pub fn mean_luminance(image: &Image) -> f64 {
-    let sum: f64 = doubles(image)
-        .iter()
-        .map(|[r, g, b]| 0.2126 * r + 0.7152 * g + 0.0722 * b)
-        .sum();
+    let sum: f64 = doubles(image).iter().map(|[r, g, b]| 0.2126 * r + 0.7152 * g + 0.0722 * b).sum();
     sum / image.pixels.len() as f64
 }
 
@@ -91,12 +75,7 @@ fn doubles(image: &Image) -> Vec<[f64; 3]> {
 }
 
 /// Mean of `term((a - r)^2 - variance, r)` over pixels and channels.
-fn mean_over(
-    a: &[[f64; 3]],
-    r: &[[f64; 3]],
-    variance: Option<&[[f64; 3]]>,
-    term: impl Fn(f64, f64) -> f64,
-) -> f64 {
+fn mean_over(a: &[[f64; 3]], r: &[[f64; 3]], variance: Option<&[[f64; 3]]>, term: impl Fn(f64, f64) -> f64) -> f64 {
     let mut sum = 0.0;
     for (i, (a, r)) in a.iter().zip(r).enumerate() {
         for c in 0..3 {
@@ -131,15 +110,8 @@ mod tests {
     use super::*;
 
     fn image(width: u32, height: u32, pixel: impl Fn(u32, u32) -> [f32; 3]) -> Image {
-        let pixels = (0..height)
-            .flat_map(|y| (0..width).map(move |x| (x, y)))
-            .map(|(x, y)| pixel(x, y))
-            .collect();
-        Image {
-            width,
-            height,
-            pixels,
-        }
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect();
+        Image { width, height, pixels }
     }
 
     #[track_caller]
@@ -150,13 +122,7 @@ mod tests {
     #[test]
     fn two_pixels_by_hand() {
         let reference = image(2, 1, |x, _| if x == 0 { [1.0; 3] } else { [3.0; 3] });
-        let other = image(2, 1, |x, _| {
-            if x == 0 {
-                [1.5, 1.0, 1.0]
-            } else {
-                [3.0, 3.0, 2.0]
-            }
-        });
+        let other = image(2, 1, |x, _| if x == 0 { [1.5, 1.0, 1.0] } else { [3.0, 3.0, 2.0] });
         let errors = compare(&other, &reference, None).unwrap();
         // Mean luminance 2, floor 0.04; squared differences 0.25 (at r = 1) and 1 (at r = 3) among 6 values.
         assert_near(errors.mse, 1.25 / 6.0);
@@ -178,22 +144,10 @@ mod tests {
     #[test]
     fn grain_vanishes_in_blocks_and_blotches_do_not() {
         let reference = image(8, 8, |_, _| [1.0; 3]);
-        let grain = image(
-            8,
-            8,
-            |x, y| if (x + y) % 2 == 0 { [1.5; 3] } else { [0.5; 3] },
-        );
-        let blotches = image(8, 8, |x, y| {
-            if (x / 4 + y / 4) % 2 == 0 {
-                [1.5; 3]
-            } else {
-                [0.5; 3]
-            }
-        });
-        let (grain, blotches) = (
-            compare(&grain, &reference, None).unwrap(),
-            compare(&blotches, &reference, None).unwrap(),
-        );
+        let grain = image(8, 8, |x, y| if (x + y) % 2 == 0 { [1.5; 3] } else { [0.5; 3] });
+        let blotches = image(8, 8, |x, y| if (x / 4 + y / 4) % 2 == 0 { [1.5; 3] } else { [0.5; 3] });
+        let (grain, blotches) =
+            (compare(&grain, &reference, None).unwrap(), compare(&blotches, &reference, None).unwrap());
         assert_near(grain.rel_mse, 0.25 / 1.01);
         assert_near(blotches.rel_mse, 0.25 / 1.01);
         assert_near(grain.rel_mse_blocks, 0.0);
@@ -224,18 +178,8 @@ mod tests {
     #[test]
     fn what_cannot_be_compared_is_an_error() {
         let one = image(2, 2, |_, _| [1.0; 3]);
-        assert_eq!(
-            compare(&one, &image(2, 3, |_, _| [1.0; 3]), None)
-                .unwrap_err()
-                .exit_status(),
-            2
-        );
-        assert_eq!(
-            compare(&one, &image(2, 2, |_, _| [0.0; 3]), None)
-                .unwrap_err()
-                .exit_status(),
-            2
-        );
+        assert_eq!(compare(&one, &image(2, 3, |_, _| [1.0; 3]), None).unwrap_err().exit_status(), 2);
+        assert_eq!(compare(&one, &image(2, 2, |_, _| [0.0; 3]), None).unwrap_err().exit_status(), 2);
         let bad = image(2, 2, |_, _| [f32::NAN; 3]);
         assert!(compare(&bad, &one, None).unwrap().mse.is_nan());
     }

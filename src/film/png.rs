@@ -19,29 +19,15 @@ pub fn write_preview(path: &Path, image: &Image) -> Result<()> {
 /// Writes the mutation-direction picture of `horizontal` and `vertical` (one value per pixel, row 0 at the top).
 ///
 /// Red: mutations move horizontally; green: vertically; yellow: both alike; black: nothing was accepted there.
-pub fn write_directions(
-    path: &Path,
-    width: u32,
-    height: u32,
-    horizontal: &[f32],
-    vertical: &[f32],
-) -> Result<()> {
-    let bytes: Vec<u8> = horizontal
-        .iter()
-        .zip(vertical)
-        .flat_map(|(h, v)| direction_color(*h, *v))
-        .collect();
+pub fn write_directions(path: &Path, width: u32, height: u32, horizontal: &[f32], vertical: &[f32]) -> Result<()> {
+    let bytes: Vec<u8> = horizontal.iter().zip(vertical).flat_map(|(h, v)| direction_color(*h, *v)).collect();
     write(path, width, height, &bytes)
 }
 
 /// A linear value as an sRGB byte (IEC 61966-2-1), rounded to nearest.
 pub fn srgb_byte(linear: f32) -> u8 {
     let x = linear.clamp(0.0, 1.0);
-    let encoded = if x <= 0.003_130_8 {
-        12.92 * x
-    } else {
-        1.055 * x.powf(1.0 / 2.4) - 0.055
-    };
+    let encoded = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
     // The cast turns NaN into 0.
     (255.0 * encoded + 0.5) as u8
 }
@@ -60,11 +46,7 @@ fn write(path: &Path, width: u32, height: u32, rgb: &[u8]) -> Result<()> {
     write_whole(path, &encode(width, height, rgb).map_err(failed)?)
 }
 
-fn encode(
-    width: u32,
-    height: u32,
-    rgb: &[u8],
-) -> std::result::Result<Vec<u8>, ::png::EncodingError> {
+fn encode(width: u32, height: u32, rgb: &[u8]) -> std::result::Result<Vec<u8>, ::png::EncodingError> {
     let mut bytes = Vec::new();
     let mut encoder = ::png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(::png::ColorType::Rgb);
@@ -91,23 +73,10 @@ mod tests {
     #[test]
     fn srgb_bytes_follow_the_standard() {
         // 0.5 gives 0.73536 * 255 = 187.5, just above; 0.002 is on the linear part: 6.589.
-        for (linear, byte) in [
-            (0.0, 0),
-            (1.0, 255),
-            (0.5, 188),
-            (0.216, 128),
-            (0.002, 7),
-            (0.18, 118),
-        ] {
+        for (linear, byte) in [(0.0, 0), (1.0, 255), (0.5, 188), (0.216, 128), (0.002, 7), (0.18, 118)] {
             assert_eq!(srgb_byte(linear), byte, "{linear}");
         }
-        for (linear, byte) in [
-            (-1.0, 0),
-            (7.0, 255),
-            (f32::INFINITY, 255),
-            (f32::NEG_INFINITY, 0),
-            (f32::NAN, 0),
-        ] {
+        for (linear, byte) in [(-1.0, 0), (7.0, 255), (f32::INFINITY, 255), (f32::NEG_INFINITY, 0), (f32::NAN, 0)] {
             assert_eq!(srgb_byte(linear), byte, "{linear}");
         }
     }
@@ -116,11 +85,7 @@ mod tests {
     fn every_byte_survives_decoding_and_encoding() {
         for byte in 0..=255u8 {
             let x = f32::from(byte) / 255.0;
-            let linear = if x <= 0.040_45 {
-                x / 12.92
-            } else {
-                ((x + 0.055) / 1.055).powf(2.4)
-            };
+            let linear = if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
             assert_eq!(srgb_byte(linear), byte);
         }
     }
@@ -129,11 +94,7 @@ mod tests {
     fn the_first_row_is_the_top_one() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
-        let image = Image {
-            width: 2,
-            height: 1,
-            pixels: vec![[1.0, 0.0, 0.5], [f32::NAN, 2.0, -1.0]],
-        };
+        let image = Image { width: 2, height: 1, pixels: vec![[1.0, 0.0, 0.5], [f32::NAN, 2.0, -1.0]] };
         write_preview(&path, &image).unwrap();
         assert_eq!(decode(&path), (2, 1, vec![255, 0, 188, 0, 255, 0]));
     }
@@ -142,14 +103,9 @@ mod tests {
     fn directions_have_their_colors() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
-        let (h, v) = (
-            [2.0, 0.0, 3.0, 0.0, 1.0, f32::NAN],
-            [0.0, 5.0, 3.0, 0.0, 2.0, f32::NAN],
-        );
+        let (h, v) = ([2.0, 0.0, 3.0, 0.0, 1.0, f32::NAN], [0.0, 5.0, 3.0, 0.0, 2.0, f32::NAN]);
         write_directions(&path, 3, 2, &h, &v).unwrap();
-        let expected = vec![
-            255, 0, 0, 0, 255, 0, 255, 255, 0, 0, 0, 0, 64, 255, 0, 0, 0, 0,
-        ];
+        let expected = vec![255, 0, 0, 0, 255, 0, 255, 255, 0, 0, 0, 0, 64, 255, 0, 0, 0, 0];
         assert_eq!(decode(&path), (3, 2, expected));
     }
 }

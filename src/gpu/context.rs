@@ -61,9 +61,8 @@ impl Context {
         if adapters.is_empty() {
             return Err(Error::runtime(NO_DEVICE));
         }
-        let wanted = |a: &&wgpu::Adapter| {
-            name.is_none_or(|n| a.get_info().name.to_lowercase().contains(&n.to_lowercase()))
-        };
+        let wanted =
+            |a: &&wgpu::Adapter| name.is_none_or(|n| a.get_info().name.to_lowercase().contains(&n.to_lowercase()));
         let adapter = adapters.iter().find(wanted).ok_or_else(|| {
             let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
             Error::input(format!(

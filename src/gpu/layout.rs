@@ -89,8 +89,7 @@ mod tests {
             .iter()
             .find_map(|(_, t)| match &t.inner {
                 TypeInner::Struct { members, span } if t.name.as_deref()?.ends_with(name) => {
-                    let members =
-                        members.iter().map(|m| (m.name.clone().unwrap(), m.offset)).collect();
+                    let members = members.iter().map(|m| (m.name.clone().unwrap(), m.offset)).collect();
                     Some((members, *span))
                 }
                 _ => None,
@@ -111,13 +110,38 @@ mod tests {
     fn structs_agree_with_the_shaders() {
         let lens = module("lens");
         same_layout!(
-            &lens, SceneUniform, camera_position, pixel_area, camera_right, film_width, camera_up,
-            film_height, camera_back, pixels_per_unit, sky, light_count, light_weight,
-            lights_offset, triangle_count, padding,
+            &lens,
+            SceneUniform,
+            camera_position,
+            pixel_area,
+            camera_right,
+            film_width,
+            camera_up,
+            film_height,
+            camera_back,
+            pixels_per_unit,
+            sky,
+            light_count,
+            light_weight,
+            lights_offset,
+            triangle_count,
+            padding,
         );
         same_layout!(
-            &lens, PassUniform, seed, pass_index, stride, entries, entries_offset, nodes_offset,
-            order_offset, similarity_median, similarity_scale, weight, counters_offset, padding,
+            &lens,
+            PassUniform,
+            seed,
+            pass_index,
+            stride,
+            entries,
+            entries_offset,
+            nodes_offset,
+            order_offset,
+            similarity_median,
+            similarity_scale,
+            weight,
+            counters_offset,
+            padding,
         );
         let (_, span) = struct_of(&module("weigh"), "StrategyUniform");
         assert_eq!(span as usize, 4 * STRATEGY_ENTRIES);

@@ -19,18 +19,11 @@ fn buffer_layout(
         .map(|(i, kind)| wgpu::BindGroupLayoutEntry {
             binding: i as u32,
             visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: *kind,
-                has_dynamic_offset: dynamic == Some(i),
-                min_binding_size: None,
-            },
+            ty: wgpu::BindingType::Buffer { ty: *kind, has_dynamic_offset: dynamic == Some(i), min_binding_size: None },
             count: None,
         })
         .collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some(label),
-        entries: &entries,
-    })
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 
 /// The group that goes with [`buffer_layout`]; a dynamic binding sees `window` bytes.

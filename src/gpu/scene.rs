@@ -30,16 +30,11 @@ impl SceneData {
     pub fn new(scene: &Scene, camera: &Camera, width: u32, height: u32) -> Result<Self> {
         let (centre, radius) = scene.bounding_sphere();
         if !(radius > 0.0 && radius.is_finite()) {
-            return Err(Error::input(format!(
-                "{} has no extent: its triangles all lie in one point",
-                scene.name
-            )));
+            return Err(Error::input(format!("{} has no extent: its triangles all lie in one point", scene.name)));
         }
-        let normalised =
-            |p: Vec3| ((DVec3::from(p) - DVec3::from(centre)) / f64::from(radius)).as_vec3();
+        let normalised = |p: Vec3| ((DVec3::from(p) - DVec3::from(centre)) / f64::from(radius)).as_vec3();
         let positions: Vec<Vec3> = scene.positions.iter().map(|p| normalised(*p)).collect();
-        let corners: Vec<[Vec3; 3]> =
-            scene.triangles.iter().map(|t| t.map(|i| positions[i as usize])).collect();
+        let corners: Vec<[Vec3; 3]> = scene.triangles.iter().map(|t| t.map(|i| positions[i as usize])).collect();
         let accel = accel::build(&corners)?;
 
         let mut triangles = Vec::with_capacity(3 * corners.len());
@@ -49,8 +44,7 @@ impl SceneData {
             for v in [a, b - a, c - a] {
                 triangles.push([v.x, v.y, v.z, 0.0]);
             }
-            let n = scene.triangles[source as usize]
-                .map(|i| encode_octahedral(scene.normals[i as usize]));
+            let n = scene.triangles[source as usize].map(|i| encode_octahedral(scene.normals[i as usize]));
             shading.push([n[0], n[1], n[2], scene.triangle_materials[source as usize]]);
         }
 
@@ -180,18 +174,13 @@ impl GpuScene {
         let buffer = |label, usage, contents| {
             device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
         };
-        let uniform =
-            buffer("scene", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(&data.uniform));
+        let uniform = buffer("scene", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(&data.uniform));
         let storage = parts.map(|(label, bytes)| buffer(label, wgpu::BufferUsages::STORAGE, bytes));
         let mut kinds = vec![wgpu::BufferBindingType::Uniform];
         kinds.extend([wgpu::BufferBindingType::Storage { read_only: true }; 4]);
         let layout = super::buffer_layout(device, "scene", &kinds, None);
-        let group = super::buffer_group(
-            device,
-            &layout,
-            &[&uniform, &storage[0], &storage[1], &storage[2], &storage[3]],
-            None,
-        );
+        let group =
+            super::buffer_group(device, &layout, &[&uniform, &storage[0], &storage[1], &storage[2], &storage[3]], None);
         Ok(Self { layout, group })
     }
 }

@@ -27,26 +27,14 @@ pub const GUIDES: u32 = 16;
 
 /// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
 /// instead of splats, and deliberately wrong kernels that the tests must catch.
-pub const PASS_FLAGS: [&str; 9] = [
-    "guided",
-    "maps",
-    "candidates",
-    "probe",
-    "probe_back",
-    "probe_still",
-    "twin_one_sided",
-    "twin_id",
-    "twin_redraw",
-];
+pub const PASS_FLAGS: [&str; 9] =
+    ["guided", "maps", "candidates", "probe", "probe_back", "probe_still", "twin_one_sided", "twin_id", "twin_redraw"];
 
 /// The WGSL text of `variant`. Fails only on a fault of the shader sources, with the composer's words.
 pub fn compose(variant: &Variant) -> Result<String, String> {
     let mut resolver = VirtualResolver::new();
     add_modules(&SOURCES, &mut resolver)?;
-    let constants = format!(
-        "const MAX_EDGES: u32 = {}u;\nconst GUIDES: u32 = {GUIDES}u;\n",
-        variant.max_edges
-    );
+    let constants = format!("const MAX_EDGES: u32 = {}u;\nconst GUIDES: u32 = {GUIDES}u;\n", variant.max_edges);
     resolver.add_module(module_path("specialised")?, Cow::Owned(constants));
     let mut options = CompileOptions::default();
     options.features.default = Feature::Error;
@@ -87,12 +75,9 @@ fn add_modules<'a>(dir: &Dir<'a>, resolver: &mut VirtualResolver<'a>) -> Result<
 /// Parses and validates WGSL with naga, without a device.
 pub fn validate(wgsl: &str) -> Result<naga::Module, String> {
     let module = naga::front::wgsl::parse_str(wgsl).map_err(|e| e.emit_to_string(wgsl))?;
-    naga::valid::Validator::new(
-        naga::valid::ValidationFlags::all(),
-        naga::valid::Capabilities::IMMEDIATES,
-    )
-    .validate(&module)
-    .map_err(|e| e.emit_to_string(wgsl))?;
+    naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::IMMEDIATES)
+        .validate(&module)
+        .map_err(|e| e.emit_to_string(wgsl))?;
     Ok(module)
 }
 
@@ -129,12 +114,8 @@ mod tests {
             ),
         ];
         for bits in 0..16u32 {
-            let features = Features {
-                glossy: bits & 1 != 0,
-                mirror: bits & 2 != 0,
-                glass: bits & 4 != 0,
-                sky: bits & 8 != 0,
-            };
+            let features =
+                Features { glossy: bits & 1 != 0, mirror: bits & 2 != 0, glass: bits & 4 != 0, sky: bits & 8 != 0 };
             if features.glass && !features.mirror {
                 continue; // glass reflects, so it always brings the mirror class
             }
@@ -150,8 +131,7 @@ mod tests {
 
     #[test]
     fn an_unknown_flag_is_an_error() {
-        let variant =
-            Variant { pass: "rest", features: Features::default(), max_edges: 12, flags: vec!["gided"] };
+        let variant = Variant { pass: "rest", features: Features::default(), max_edges: 12, flags: vec!["gided"] };
         assert!(compose(&variant).unwrap_err().contains("gided"));
     }
 

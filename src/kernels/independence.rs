@@ -3,10 +3,5 @@
 use super::Kernel;
 
 /// Applies to every path.
-pub const KERNEL: Kernel = Kernel {
-    name: "independence",
-    pass: "independence",
-    flags: &[],
-    applies: |_| true,
-    guided: false,
-};
+pub const KERNEL: Kernel =
+    Kernel { name: "independence", pass: "independence", flags: &[], applies: |_| true, guided: false };

@@ -20,9 +20,8 @@ const PERTURBATIONS: usize = 9;
 /// The mix of a method: guided and isotropic steps two to one, in a fixed rota that knows nothing of the states.
 pub fn mix(method: Method) -> Mix {
     let guided = method == Method::Emlt;
-    let passes = (0..PERTURBATIONS)
-        .map(|i| if guided && i % 3 != 2 { &guided_lens::KERNEL } else { &lens::KERNEL })
-        .collect();
+    let passes =
+        (0..PERTURBATIONS).map(|i| if guided && i % 3 != 2 { &guided_lens::KERNEL } else { &lens::KERNEL }).collect();
     Mix { passes }
 }
 
@@ -118,9 +117,7 @@ pub(super) fn render(
     let image = Image {
         width: settings.width,
         height: settings.height,
-        pixels: (0..pixels as usize)
-            .map(|p| [0, 1, 2].map(|c| (film.value(p, c) * scale) as f32))
-            .collect(),
+        pixels: (0..pixels as usize).map(|p| [0, 1, 2].map(|c| (film.value(p, c) * scale) as f32)).collect(),
     };
     let mut layers = Vec::new();
     if settings.maps {
@@ -147,10 +144,6 @@ impl Film<'_> {
     /// Total splatted luminance: one per mutation if no weight is lost (METHOD.md 1.4).
     fn luminance(&self) -> f64 {
         let pixels = self.words.len() / (2 * self.channels);
-        (0..pixels)
-            .map(|p| {
-                0.2126 * self.value(p, 0) + 0.7152 * self.value(p, 1) + 0.0722 * self.value(p, 2)
-            })
-            .sum()
+        (0..pixels).map(|p| 0.2126 * self.value(p, 0) + 0.7152 * self.value(p, 1) + 0.0722 * self.value(p, 2)).sum()
     }
 }

@@ -121,8 +121,6 @@ pub fn render(scene: &Scene, settings: &Settings, observer: &mut dyn Observer) -
     };
     match settings.method {
         Method::Pt => pt::render(&context, features, &data, settings, observer, statistics),
-        Method::Mlt | Method::Emlt => {
-            chains::render(&context, features, &data, settings, observer, statistics)
-        }
+        Method::Mlt | Method::Emlt => chains::render(&context, features, &data, settings, observer, statistics),
     }
 }

@@ -26,11 +26,9 @@ pub(super) fn render(
     assert_eq!(settings.method, Method::Pt);
     let pixels = settings.width as usize * settings.height as usize;
     let counters_bytes = 4 * COUNTER_WORDS as u64;
-    let sizes =
-        Sizes { chains: 0, lists: 0, output: 48 * pixels as u64, counters: counters_bytes };
+    let sizes = Sizes { chains: 0, lists: 0, output: 48 * pixels as u64, counters: counters_bytes };
     let mut run = Run::new(context, data, sizes)?;
-    let variant =
-        Variant { pass: "path_trace", features, max_edges: settings.max_depth, flags: vec![] };
+    let variant = Variant { pass: "path_trace", features, max_edges: settings.max_depth, flags: vec![] };
 
     observer.stage("compiling shaders");
     let start = Instant::now();
@@ -88,11 +86,7 @@ pub(super) fn render(
     let bytes = run.read(Buffer::Output, &[0..48 * pixels as u64])?;
     let rows: &[[f32; 4]] = bytemuck::cast_slice(&bytes);
     let n = f64::from(samples);
-    let mut image = Image {
-        width: settings.width,
-        height: settings.height,
-        pixels: Vec::with_capacity(pixels),
-    };
+    let mut image = Image { width: settings.width, height: settings.height, pixels: Vec::with_capacity(pixels) };
     let mut variance = vec![Vec::with_capacity(pixels); 3];
     for pixel in rows.chunks_exact(3) {
         let mean = |c: usize| (f64::from(pixel[0][c]) - f64::from(pixel[1][c])) / n;

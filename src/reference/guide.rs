@@ -35,11 +35,7 @@ pub struct Symmetric {
 
 impl Symmetric {
     fn scaled(self, s: f64) -> Self {
-        Self {
-            a: s * self.a,
-            b: s * self.b,
-            c: s * self.c,
-        }
+        Self { a: s * self.a, b: s * self.b, c: s * self.c }
     }
 
     /// Sigma_0 = SUM w_i (p_i - p)(p_i - p)^T, about the path's own pixel and not about the mean.
@@ -57,23 +53,13 @@ impl Symmetric {
     /// Scaled down to trace `widest_px`^2 if it is larger. Before the floor is added (METHOD.md C12).
     pub fn capped(self, widest_px: f64) -> Self {
         let trace = self.a + self.c;
-        if trace > widest_px * widest_px {
-            self.scaled(widest_px * widest_px / trace)
-        } else {
-            self
-        }
+        if trace > widest_px * widest_px { self.scaled(widest_px * widest_px / trace) } else { self }
     }
 }
 
 /// alpha: low where the guides do not resemble the path, high where they do.
 pub fn alpha(log_mean_similarity: f64, settings: &StepSettings) -> f64 {
-    let StepSettings {
-        alpha_low,
-        alpha_high,
-        tau,
-        similarity_median,
-        ..
-    } = *settings;
+    let StepSettings { alpha_low, alpha_high, tau, similarity_median, .. } = *settings;
     let argument = (log_mean_similarity - similarity_median) / tau;
     alpha_low + (alpha_high - alpha_low) / (1.0 + (-argument).exp())
 }
@@ -95,11 +81,7 @@ impl StepShape {
         let floor2 = floor_px * floor_px;
         let determinant = (s.a * s.c - s.b * s.b).max(0.0) + floor2 * (s.a + s.c) + floor2 * floor2;
         let l11 = (s.a + floor2).sqrt();
-        Self {
-            l11,
-            l21: s.b / l11,
-            l22: determinant.sqrt() / l11,
-        }
+        Self { l11, l21: s.b / l11, l22: determinant.sqrt() / l11 }
     }
 
     /// The shape for a path at `pixel`, with the squared distance d^2 and the pixel of each of its guides.
@@ -123,10 +105,7 @@ impl StepShape {
     pub fn step(&self, z: [f64; 2], u: [f64; 2]) -> [f64; 2] {
         let chi2 = -2.0 * (u[0] * u[1]).ln();
         let scale = (NU / chi2).sqrt();
-        [
-            scale * self.l11 * z[0],
-            scale * (self.l21 * z[0] + self.l22 * z[1]),
-        ]
+        [scale * self.l11 * z[0], scale * (self.l21 * z[0] + self.l22 * z[1])]
     }
 
     /// |L^-1 d|^2 by forward substitution.
@@ -160,11 +139,7 @@ mod tests {
         floor_px: 0.5,
         widest_px: 40.0,
     };
-    const SHAPE: StepShape = StepShape {
-        l11: 1.3,
-        l21: -0.9,
-        l22: 0.4,
-    };
+    const SHAPE: StepShape = StepShape { l11: 1.3, l21: -0.9, l22: 0.4 };
 
     /// Upper 1e-6 point of chi-square (Wilson and Hilferty's approximation).
     fn chi2_limit(freedom: f64) -> f64 {
@@ -184,10 +159,7 @@ mod tests {
         };
         (0..count).map(move |_| {
             let (radius, phi) = ((-2.0 * uniform().ln()).sqrt(), 2.0 * PI * uniform());
-            SHAPE.step(
-                [radius * phi.cos(), radius * phi.sin()],
-                [uniform(), uniform()],
-            )
+            SHAPE.step([radius * phi.cos(), radius * phi.sin()], [uniform(), uniform()])
         })
     }
 
@@ -230,10 +202,7 @@ mod tests {
             }
         }
         chi2 += (rest.0 - rest.1) * (rest.0 - rest.1) / rest.1;
-        assert!(
-            freedom > 200.0 && chi2 < chi2_limit(freedom),
-            "chi2 {chi2:.0} of {freedom}"
-        );
+        assert!(freedom > 200.0 && chi2 < chi2_limit(freedom), "chi2 {chi2:.0} of {freedom}");
         // A density that is 2 % too high must be seen by the same statistic.
         let off: f64 = observed
             .iter()
@@ -241,10 +210,7 @@ mod tests {
             .filter(|&(_, e)| *e >= 10.0)
             .map(|(o, e)| (o - 1.02 * e).powi(2) / (1.02 * e))
             .sum();
-        assert!(
-            off > chi2_limit(freedom),
-            "chi2 of the wrong density {off:.0}"
-        );
+        assert!(off > chi2_limit(freedom), "chi2 of the wrong density {off:.0}");
     }
 
     /// The tail, which cells cannot see: for nu = 4, (1 + |L^-1 d|^2 / 4)^-2 is uniform. 100 bins, error
@@ -281,11 +247,7 @@ mod tests {
 
     #[test]
     fn factor_times_its_transpose_is_the_covariance() {
-        let sigma0 = Symmetric {
-            a: 7.0,
-            b: -3.0,
-            c: 2.0,
-        };
+        let sigma0 = Symmetric { a: 7.0, b: -3.0, c: 2.0 };
         let (alpha, floor) = (0.4, 0.3);
         let StepShape { l11, l21, l22 } = StepShape::new(sigma0, alpha, floor);
         let sigma = sigma0.scaled(alpha * alpha);
@@ -297,11 +259,7 @@ mod tests {
     #[test]
     fn singular_guides_leave_the_determinant_at_the_floor_or_above() {
         // One guide, guides on a line with rounding that makes the determinant negative, and none but the path's own.
-        let on_a_line = Symmetric {
-            a: 1e6,
-            b: 1e6 * (1.0 + 1e-15),
-            c: 1e6,
-        };
+        let on_a_line = Symmetric { a: 1e6, b: 1e6 * (1.0 + 1e-15), c: 1e6 };
         for sigma0 in [
             Symmetric::about([3.0, 4.0], &[1.0], &[[800.0, -20.0]]),
             Symmetric::about([3.0, 4.0], &[0.5, 0.5], &[[3.0, 4.0]; 2]),
@@ -310,10 +268,7 @@ mod tests {
             for floor in [0.25, 0.5] {
                 let shape = StepShape::new(sigma0.capped(40.0), 0.5, floor);
                 let determinant = (2.0 * shape.log_area()).exp();
-                assert!(
-                    determinant >= floor.powi(4) * (1.0 - 1e-12),
-                    "{determinant}"
-                );
+                assert!(determinant >= floor.powi(4) * (1.0 - 1e-12), "{determinant}");
                 assert!(shape.log_density([5.0, -5.0]).is_finite());
             }
         }
@@ -321,11 +276,7 @@ mod tests {
 
     #[test]
     fn cap_acts_on_the_guides_and_not_on_the_floor() {
-        let wide = Symmetric {
-            a: 300.0,
-            b: 100.0,
-            c: 100.0,
-        };
+        let wide = Symmetric { a: 300.0, b: 100.0, c: 100.0 };
         let capped = wide.capped(10.0);
         assert!((capped.a + capped.c - 100.0).abs() < 1e-12);
         assert!((capped.b / capped.a - wide.b / wide.a).abs() < 1e-15);

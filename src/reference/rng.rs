@@ -2,8 +2,7 @@
 
 /// PCG4D (Jarzynski and Olano 2020).
 pub fn pcg4d(key: [u32; 4]) -> [u32; 4] {
-    let [mut x, mut y, mut z, mut w] =
-        key.map(|k| k.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    let [mut x, mut y, mut z, mut w] = key.map(|k| k.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
     for shift in [true, false] {
         x = x.wrapping_add(y.wrapping_mul(w));
         y = y.wrapping_add(z.wrapping_mul(x));

@@ -6,16 +6,8 @@ use crate::report::statistics::Statistics;
 use crate::scene::Scene;
 
 /// Header attributes of a finished render: counts and seeds as numbers, times in seconds, b in radiance.
-pub fn attributes(
-    scene: &Scene,
-    settings: &Settings,
-    statistics: &Statistics,
-) -> Vec<(String, Attribute)> {
-    let samples = if settings.method == Method::Pt {
-        "samples"
-    } else {
-        "mutations"
-    };
+pub fn attributes(scene: &Scene, settings: &Settings, statistics: &Statistics) -> Vec<(String, Attribute)> {
+    let samples = if settings.method == Method::Pt { "samples" } else { "mutations" };
     let mut list: Vec<(&str, Attribute)> = vec![
         ("scene", scene.name.as_str().into()),
         ("method", settings.method.name().into()),
@@ -35,20 +27,15 @@ pub fn attributes(
         list.push(("ensemble", f64::from(settings.ensemble).into()));
         list.push(("kernelMix", kernel_mix(statistics).as_str().into()));
     }
-    list.into_iter()
-        .map(|(name, value)| (name.to_string(), value))
-        .collect()
+    list.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
 }
 
 /// Each kernel with its share of the mutations, as `lens 0.250, caustic 0.250`.
 fn kernel_mix(statistics: &Statistics) -> String {
     let total: u64 = statistics.kernels.iter().map(|k| k.mutations).sum();
     let share = |mutations: u64| mutations as f64 / total.max(1) as f64;
-    let parts: Vec<String> = statistics
-        .kernels
-        .iter()
-        .map(|k| format!("{} {:.3}", k.name, share(k.mutations)))
-        .collect();
+    let parts: Vec<String> =
+        statistics.kernels.iter().map(|k| format!("{} {:.3}", k.name, share(k.mutations))).collect();
     parts.join(", ")
 }
 
@@ -64,46 +51,26 @@ mod tests {
 
     #[test]
     fn mlt_says_what_made_the_image() {
-        let kernel = |name: &str, mutations| KernelStatistics {
-            name: name.into(),
-            mutations,
-            ..Default::default()
-        };
+        let kernel = |name: &str, mutations| KernelStatistics { name: name.into(), mutations, ..Default::default() };
         let statistics = Statistics {
             samples: 400,
             b: Some((0.5, 0.01)),
             kernels: vec![kernel("lens", 100), kernel("bidirectional", 300)],
             ..Default::default()
         };
-        let scene = Scene {
-            name: "box".into(),
-            ..Default::default()
-        };
+        let scene = Scene { name: "box".into(), ..Default::default() };
         let list = attributes(&scene, &Settings::default(), &statistics);
         assert_eq!(value(&list, "scene"), Some(&"box".into()));
         assert_eq!(value(&list, "method"), Some(&"emlt".into()));
         assert_eq!(value(&list, "mutations"), Some(&400.0.into()));
         assert_eq!(value(&list, "bStandardError"), Some(&0.01.into()));
-        assert_eq!(
-            value(&list, "kernelMix"),
-            Some(&"lens 0.250, bidirectional 0.750".into())
-        );
+        assert_eq!(value(&list, "kernelMix"), Some(&"lens 0.250, bidirectional 0.750".into()));
     }
 
     #[test]
     fn pt_has_samples_and_no_b() {
-        let settings = Settings {
-            method: Method::Pt,
-            ..Default::default()
-        };
-        let list = attributes(
-            &Scene::default(),
-            &settings,
-            &Statistics {
-                samples: 7,
-                ..Default::default()
-            },
-        );
+        let settings = Settings { method: Method::Pt, ..Default::default() };
+        let list = attributes(&Scene::default(), &settings, &Statistics { samples: 7, ..Default::default() });
         assert_eq!(value(&list, "samples"), Some(&7.0.into()));
         for absent in ["mutations", "b", "bStandardError", "kernelMix", "ensemble"] {
             assert_eq!(value(&list, absent), None, "{absent}");
@@ -115,11 +82,7 @@ mod tests {
     fn the_attributes_survive_a_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
-        let image = Image {
-            width: 1,
-            height: 1,
-            pixels: vec![[1.0; 3]],
-        };
+        let image = Image { width: 1, height: 1, pixels: vec![[1.0; 3]] };
         let statistics = Statistics {
             device: "d".repeat(300),
             b: Some((0.5, 0.01)),
@@ -127,10 +90,7 @@ mod tests {
             ..Default::default()
         };
         for method in [Method::Pt, Method::Emlt] {
-            let settings = Settings {
-                method,
-                ..Default::default()
-            };
+            let settings = Settings { method, ..Default::default() };
             let mut list = attributes(&Scene::default(), &settings, &statistics);
             exr::write(&path, &image, &[], &list).unwrap();
             list.sort_by(|a, b| a.0.cmp(&b.0));

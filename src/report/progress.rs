@@ -25,11 +25,7 @@ pub struct Progress {
 
 impl Progress {
     pub fn new(quiet: bool) -> Self {
-        Self {
-            quiet,
-            bar: None,
-            stop: Arc::default(),
-        }
+        Self { quiet, bar: None, stop: Arc::default() }
     }
 
     /// From now on the first Ctrl-C asks the renderer to stop, and the second one quits at once.
@@ -63,9 +59,9 @@ impl Observer for Progress {
         }
         // This target is hidden by itself where standard error is no terminal.
         let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
-        if let Ok(style) = ProgressStyle::with_template(
-            "{msg:18} [{bar:40}] {percent:>3} %  {elapsed} elapsed, {eta} left",
-        ) {
+        if let Ok(style) =
+            ProgressStyle::with_template("{msg:18} [{bar:40}] {percent:>3} %  {elapsed} elapsed, {eta} left")
+        {
             bar.set_style(style.progress_chars("=> "));
         }
         bar.set_message(name.to_string());
@@ -109,11 +105,7 @@ mod tests {
         progress.stage("rendering");
         for (share, position) in [(0.25, STEPS / 4), (2.0, STEPS), (-1.0, 0), (f64::NAN, 0)] {
             progress.progress(share);
-            assert_eq!(
-                progress.bar.as_ref().unwrap().position(),
-                position,
-                "{share}"
-            );
+            assert_eq!(progress.bar.as_ref().unwrap().position(), position, "{share}");
         }
     }
 

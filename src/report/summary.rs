@@ -31,50 +31,23 @@ impl Display for Summary<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let s = self.statistics;
         let mut row = |name: &str, text: String| writeln!(f, "{name:<12}{text}");
-        let software = if s.software_device {
-            " (software: runs on the processor)"
-        } else {
-            ""
-        };
+        let software = if s.software_device { " (software: runs on the processor)" } else { "" };
         row("device", format!("{}{software}", s.device))?;
-        let samples = if self.method == Method::Pt {
-            "samples"
-        } else {
-            "mutations"
-        };
+        let samples = if self.method == Method::Pt { "samples" } else { "mutations" };
         let per_pixel = s.samples as f64 / self.pixels as f64;
         let rate = million_per_second(s.samples, s.render_s);
-        row(
-            samples,
-            format!("{} ({per_pixel:.2} per pixel), {rate}", grouped(s.samples)),
-        )?;
-        row(
-            "rays",
-            format!(
-                "{}, {}",
-                grouped(s.rays),
-                million_per_second(s.rays, s.render_s)
-            ),
-        )?;
+        row(samples, format!("{} ({per_pixel:.2} per pixel), {rate}", grouped(s.samples)))?;
+        row("rays", format!("{}, {}", grouped(s.rays), million_per_second(s.rays, s.render_s)))?;
         if let Some((b, standard_error)) = s.b {
-            row(
-                "b",
-                format!("{b:.6} +- {:.2} %", 100.0 * standard_error / b),
-            )?;
+            row("b", format!("{b:.6} +- {:.2} %", 100.0 * standard_error / b))?;
         }
         if let Some(integrity) = s.integrity {
-            row(
-                "integrity",
-                format!("{integrity:+.1e} (splatted luminance over mutations, minus 1)"),
-            )?;
+            row("integrity", format!("{integrity:+.1e} (splatted luminance over mutations, minus 1)"))?;
         }
         if !s.kernels.is_empty() {
             row("non-finite", non_finite(&s.kernels))?;
         }
-        row(
-            "host",
-            format!("{:.1} % of the rendering time", 100.0 * s.host_share),
-        )?;
+        row("host", format!("{:.1} % of the rendering time", 100.0 * s.host_share))?;
         let (setup, compile, seeding) = (s.setup_s, s.compile_s, s.seeding_s);
         row(
             "times",
@@ -84,16 +57,10 @@ impl Display for Summary<'_> {
             ),
         )?;
         if let Some(bytes) = self.peak_memory_bytes {
-            row(
-                "memory",
-                format!("{:.0} MiB at its peak", bytes as f64 / f64::from(1 << 20)),
-            )?;
+            row("memory", format!("{:.0} MiB at its peak", bytes as f64 / f64::from(1 << 20)))?;
         }
         if s.interrupted {
-            row(
-                "interrupted",
-                "the image is as it stood when the render was asked to stop".into(),
-            )?;
+            row("interrupted", "the image is as it stood when the render was asked to stop".into())?;
         }
         for note in &s.notes {
             row("note", note.clone())?;
@@ -110,28 +77,15 @@ fn kernel_table(f: &mut Formatter<'_>, kernels: &[KernelStatistics]) -> fmt::Res
     if kernels.is_empty() {
         return Ok(());
     }
-    let width = kernels
-        .iter()
-        .map(|k| k.name.chars().count())
-        .max()
-        .unwrap_or(0)
-        .max("kernel".len());
-    writeln!(
-        f,
-        "{:<width$}  {:>15}  {:>9}  {:>19}",
-        "kernel", "mutations", "accepted", "mean sq. jump, px^2"
-    )?;
+    let width = kernels.iter().map(|k| k.name.chars().count()).max().unwrap_or(0).max("kernel".len());
+    writeln!(f, "{:<width$}  {:>15}  {:>9}  {:>19}", "kernel", "mutations", "accepted", "mean sq. jump, px^2")?;
     for k in kernels {
         let accepted = match k.mutations {
             0 => "-".to_string(),
             n => format!("{:.2} %", 100.0 * k.accepted as f64 / n as f64),
         };
         let (mutations, jump) = (grouped(k.mutations), k.mean_squared_jump_px2);
-        writeln!(
-            f,
-            "{:<width$}  {mutations:>15}  {accepted:>9}  {jump:>19.3}",
-            k.name
-        )?;
+        writeln!(f, "{:<width$}  {mutations:>15}  {accepted:>9}  {jump:>19.3}", k.name)?;
     }
     Ok(())
 }
@@ -175,23 +129,12 @@ mod tests {
 
     fn kernel(name: &str, accepted: u64, non_finite: u64) -> KernelStatistics {
         let name = name.into();
-        KernelStatistics {
-            name,
-            mutations: 10_000_000,
-            accepted,
-            non_finite,
-            mean_squared_jump_px2: 12.5,
-        }
+        KernelStatistics { name, mutations: 10_000_000, accepted, non_finite, mean_squared_jump_px2: 12.5 }
     }
 
     #[test]
     fn thousands_are_grouped() {
-        for (number, text) in [
-            (0, "0"),
-            (999, "999"),
-            (1000, "1,000"),
-            (1234567, "1,234,567"),
-        ] {
+        for (number, text) in [(0, "0"), (999, "999"), (1000, "1,000"), (1234567, "1,234,567")] {
             assert_eq!(grouped(number), text);
         }
     }
@@ -209,10 +152,7 @@ mod tests {
             software_device: true,
             samples: 20_000_000,
             rays: 120_000_000,
-            kernels: vec![
-                kernel("bidirectional", 1_000_000, 0),
-                kernel("lens", 4_200_000, 3),
-            ],
+            kernels: vec![kernel("bidirectional", 1_000_000, 0), kernel("lens", 4_200_000, 3)],
             b: Some((0.25, 0.001)),
             integrity: Some(-2.5e-7),
             setup_s: 0.1,
@@ -254,19 +194,9 @@ lens                10,000,000    42.00 %               12.500
 
     #[test]
     fn the_table_of_a_path_tracing_has_no_mutations() {
-        let statistics = Statistics {
-            device: "GPU".into(),
-            samples: 640,
-            rays: 5,
-            ..Default::default()
-        };
-        let summary = Summary {
-            method: Method::Pt,
-            pixels: 64,
-            statistics: &statistics,
-            peak_memory_bytes: None,
-            files: &[],
-        };
+        let statistics = Statistics { device: "GPU".into(), samples: 640, rays: 5, ..Default::default() };
+        let summary =
+            Summary { method: Method::Pt, pixels: 64, statistics: &statistics, peak_memory_bytes: None, files: &[] };
         let expected = "\
 device      GPU
 samples     640 (10.00 per pixel), no time taken

@@ -48,9 +48,7 @@ impl Scene {
     /// The camera called `name`, or the first one; an error names the cameras there are.
     pub fn camera(&self, name: Option<&str>) -> crate::Result<&Camera> {
         match name {
-            None => self.cameras.first().ok_or_else(|| {
-                crate::Error::input(format!("{} has no camera", self.name))
-            }),
+            None => self.cameras.first().ok_or_else(|| crate::Error::input(format!("{} has no camera", self.name))),
             Some(name) => self.cameras.iter().find(|c| c.name == name).ok_or_else(|| {
                 let known: Vec<&str> = self.cameras.iter().map(|c| c.name.as_str()).collect();
                 crate::Error::input(format!(

@@ -9,12 +9,7 @@ use crate::place::Place;
 #[test]
 fn help_and_version() {
     let place = Place::new();
-    for arguments in [
-        &["--help"][..],
-        &["help"],
-        &["render", "--help"],
-        &["info", "--help"],
-    ] {
+    for arguments in [&["--help"][..], &["help"], &["render", "--help"], &["info", "--help"]] {
         let output = place.run(arguments);
         assert_eq!(output.status.code(), Some(0));
         assert!(String::from_utf8_lossy(&output.stdout).contains("Usage:"));
@@ -50,29 +45,14 @@ fn a_reader_that_goes_away_is_no_error() {
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0));
-    assert!(
-        output.stderr.is_empty(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 #[test]
 fn a_quiet_render_leaves_an_image_and_its_preview() {
     let place = Place::new();
-    let arguments = [
-        "render",
-        "scene.gltf",
-        "--method",
-        "pt",
-        "--size",
-        "12x8",
-        "--spp",
-        "2",
-        "--seed",
-        "5",
-        "--quiet",
-    ];
+    let arguments =
+        ["render", "scene.gltf", "--method", "pt", "--size", "12x8", "--spp", "2", "--seed", "5", "--quiet"];
     let output = place.run(&arguments);
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{said}");
@@ -104,18 +84,10 @@ fn maps_are_written_when_asked_for() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(output.stdout.is_empty());
-    for words in [
-        "device ",
-        "mutations ",
-        "written     a.exr",
-        "written     a.maps.png",
-    ] {
+    for words in ["device ", "mutations ", "written     a.exr", "written     a.maps.png"] {
         assert!(said.contains(words), "{words:?} is not in:\n{said}");
     }
-    assert_eq!(
-        place.files(),
-        ["a.exr", "a.maps.png", "a.png", "scene.gltf"]
-    );
+    assert_eq!(place.files(), ["a.exr", "a.maps.png", "a.png", "scene.gltf"]);
     let file = emlt::film::exr::read(&place.path("a.exr")).unwrap();
     for name in ["Maps.Horizontal", "Maps.Vertical"] {
         assert!(file.channel(name).is_some(), "{name}");
@@ -128,16 +100,7 @@ fn an_interrupt_keeps_the_image() {
     use std::time::{Duration, Instant};
     let place = Place::new();
     let mut child = Command::new(cargo_bin("emlt"))
-        .args([
-            "render",
-            "scene.gltf",
-            "--method",
-            "pt",
-            "--size",
-            "12x8",
-            "--time",
-            "600",
-        ])
+        .args(["render", "scene.gltf", "--method", "pt", "--size", "12x8", "--time", "600"])
         .current_dir(place.folder.path())
         .stderr(Stdio::piped())
         .spawn()
@@ -145,13 +108,7 @@ fn an_interrupt_keeps_the_image() {
     // Long enough to have loaded this scene, after which an interrupt is caught.
     std::thread::sleep(Duration::from_secs(2));
     let interrupt = format!("kill -INT {}", child.id());
-    assert!(
-        Command::new("sh")
-            .args(["-c", &interrupt])
-            .status()
-            .unwrap()
-            .success()
-    );
+    assert!(Command::new("sh").args(["-c", &interrupt]).status().unwrap().success());
     let asked = Instant::now();
     while child.try_wait().unwrap().is_none() {
         if asked.elapsed() > Duration::from_secs(120) {

@@ -12,11 +12,7 @@ fn write_scene(path: &Path) {
     use base64::Engine;
     let corners: [f32; 9] = [-1.0, -1.0, -3.0, 1.0, -1.0, -3.0, 0.0, 1.0, -3.0];
     let normals: [f32; 9] = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0];
-    let bytes: Vec<u8> = corners
-        .iter()
-        .chain(&normals)
-        .flat_map(|v| v.to_le_bytes())
-        .collect();
+    let bytes: Vec<u8> = corners.iter().chain(&normals).flat_map(|v| v.to_le_bytes()).collect();
     let data = base64::engine::general_purpose::STANDARD.encode(&bytes);
     let scene = serde_json::json!({
         "asset": { "version": "2.0" },
@@ -86,12 +82,7 @@ impl Place {
         fn walk(folder: &Path, root: &Path, list: &mut Vec<String>) {
             for entry in fs::read_dir(folder).unwrap() {
                 let path = entry.unwrap().path();
-                list.push(
-                    path.strip_prefix(root)
-                        .unwrap()
-                        .to_string_lossy()
-                        .into_owned(),
-                );
+                list.push(path.strip_prefix(root).unwrap().to_string_lossy().into_owned());
                 if path.is_dir() {
                     walk(&path, root, list);
                 }
@@ -117,19 +108,9 @@ impl Place {
 pub fn check_failure(output: &Output, status: i32, words: &str) {
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(status), "{said}");
-    assert!(
-        said.starts_with("error: ") && said.ends_with('\n'),
-        "{said}"
-    );
+    assert!(said.starts_with("error: ") && said.ends_with('\n'), "{said}");
     assert_eq!(said.lines().count(), 1, "{said}");
     assert!(said.contains(words), "{words:?} is not in: {said}");
-    assert!(
-        !said.contains("panicked") && !said.contains("internal fault"),
-        "{said}"
-    );
-    assert!(
-        output.stdout.is_empty(),
-        "{}",
-        String::from_utf8_lossy(&output.stdout)
-    );
+    assert!(!said.contains("panicked") && !said.contains("internal fault"), "{said}");
+    assert!(output.stdout.is_empty(), "{}", String::from_utf8_lossy(&output.stdout));
 }

@@ -99,11 +99,7 @@ fn an_output_folder_without_permission() {
         // The superuser may write anywhere, so there is nothing to refuse.
         return;
     }
-    place.refuses(
-        &["render", "scene.gltf", "-o", "locked/a.exr"],
-        2,
-        "no permission",
-    );
+    place.refuses(&["render", "scene.gltf", "-o", "locked/a.exr"], 2, "no permission");
 }
 
 #[test]
@@ -117,11 +113,7 @@ fn an_existing_image_survives_a_failure() {
 #[test]
 fn an_unknown_camera() {
     let place = Place::new();
-    place.refuses(
-        &["render", "scene.gltf", "--camera", "Nobody's"],
-        2,
-        "choose one of Main",
-    );
+    place.refuses(&["render", "scene.gltf", "--camera", "Nobody's"], 2, "choose one of Main");
 }
 
 #[test]
@@ -139,15 +131,6 @@ fn no_vulkan_device() {
 #[test]
 fn an_unknown_device() {
     let place = Place::new();
-    let arguments = [
-        "render",
-        "scene.gltf",
-        "--size",
-        "8x8",
-        "--spp",
-        "1",
-        "--device",
-        "abacus",
-    ];
+    let arguments = ["render", "scene.gltf", "--size", "8x8", "--spp", "1", "--device", "abacus"];
     place.refuses(&arguments, 2, "abacus");
 }

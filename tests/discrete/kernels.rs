@@ -38,10 +38,7 @@ impl Moves {
     /// Metropolis-Hastings with proposal probabilities and the log densities that the code believes in.
     ///
     /// `propose(x, y)` is None if no such move exists, else (probability, forward log density, reverse log density).
-    fn metropolis(
-        world: &World,
-        propose: impl Fn(usize, usize) -> Option<(f64, f64, f64)>,
-    ) -> Self {
+    fn metropolis(world: &World, propose: impl Fn(usize, usize) -> Option<(f64, f64, f64)>) -> Self {
         let n = world.states.len();
         let (mut accepted, mut failed) = (vec![vec![0.0; n]; n], vec![0.0; n]);
         let mut log_ratios = vec![vec![0.0f64; n]; n];
@@ -55,11 +52,7 @@ impl Moves {
                 let (from, to) = (world.states[x].weight, world.states[y].weight);
                 let log_ratio = to.ln() - from.ln() + reverse - forward;
                 // Out of a state without weight everything is accepted; into one nothing.
-                let acceptance = if from == 0.0 {
-                    1.0
-                } else {
-                    log_ratio.exp().min(1.0)
-                };
+                let acceptance = if from == 0.0 { 1.0 } else { log_ratio.exp().min(1.0) };
                 accepted[x][y] = probability * acceptance;
                 log_ratios[x][y] = if from * to > 0.0 { log_ratio } else { 0.0 };
             }
@@ -68,27 +61,17 @@ impl Moves {
         }
         let pairs = (0..n).flat_map(|x| (0..x).map(move |y| (x, y)));
         let sums = pairs.map(|(x, y)| (log_ratios[x][y] + log_ratios[y][x]).abs());
-        Self {
-            accepted,
-            failed,
-            antisymmetry: sums.fold(0.0, f64::max),
-        }
+        Self { accepted, failed, antisymmetry: sums.fold(0.0, f64::max) }
     }
 
     /// One of several kernels, chosen with fixed probabilities.
     pub fn mix(parts: &[(f64, &Self)]) -> Self {
         let n = parts[0].1.failed.len();
-        let sum =
-            |of: &dyn Fn(&Self) -> f64| parts.iter().map(|(share, part)| share * of(part)).sum();
+        let sum = |of: &dyn Fn(&Self) -> f64| parts.iter().map(|(share, part)| share * of(part)).sum();
         Self {
-            accepted: (0..n)
-                .map(|x| (0..n).map(|y| sum(&|m| m.accepted[x][y])).collect())
-                .collect(),
+            accepted: (0..n).map(|x| (0..n).map(|y| sum(&|m| m.accepted[x][y])).collect()).collect(),
             failed: (0..n).map(|x| sum(&|m| m.failed[x])).collect(),
-            antisymmetry: parts
-                .iter()
-                .map(|(_, part)| part.antisymmetry)
-                .fold(0.0, f64::max),
+            antisymmetry: parts.iter().map(|(_, part)| part.antisymmetry).fold(0.0, f64::max),
         }
     }
 
@@ -108,10 +91,7 @@ impl Moves {
     pub fn apply(&self, law: &[f64]) -> Vec<f64> {
         let mut after = vec![0.0; law.len()];
         for (x, &mass) in law.iter().enumerate() {
-            after
-                .iter_mut()
-                .zip(self.row(x))
-                .for_each(|(to, p)| *to += mass * p);
+            after.iter_mut().zip(self.row(x)).for_each(|(to, p)| *to += mass * p);
         }
         after
     }
@@ -120,22 +100,14 @@ impl Moves {
 /// All mutations of one chain: the guided lens step, a guided jump that changes types, an independence move.
 pub fn mutation(guides: &Guides, id: u32, twin: Twin) -> Moves {
     let (lens, jump) = (lens(guides, id, twin), jump(guides, id, twin));
-    Moves::mix(&[
-        (0.5, &lens),
-        (0.25, &jump),
-        (0.25, &independence(guides.world)),
-    ])
+    Moves::mix(&[(0.5, &lens), (0.25, &jump), (0.25, &independence(guides.world))])
 }
 
 /// Guided lens perturbation (METHOD.md 3.4) on the grid: keeps the type, steps by whole pixels.
 pub fn lens(guides: &Guides, id: u32, twin: Twin) -> Moves {
     let world = guides.world;
     let n = world.states.len();
-    let reverse_id = if twin == Twin::ReverseId {
-        id.wrapping_add(1)
-    } else {
-        id
-    };
+    let reverse_id = if twin == Twin::ReverseId { id.wrapping_add(1) } else { id };
     let forward: Vec<StepShape> = (0..n).map(|x| guides.shape(x, id)).collect();
     let reverse: Vec<StepShape> = (0..n).map(|y| guides.shape(y, reverse_id)).collect();
     let mass = |x: usize, d: [f64; 2]| LATTICE_SHARE * forward[x].log_density(d).exp();
@@ -143,13 +115,7 @@ pub fn lens(guides: &Guides, id: u32, twin: Twin) -> Moves {
     let step = |x: usize, y: usize| difference(world.states[y].pixel, world.states[x].pixel);
     // Redrawing until on the film divides by this; the broken ratio does not know.
     let film_mass: Vec<f64> = (0..n)
-        .map(|x| {
-            if twin == Twin::Redraw {
-                on_film(x).map(|y| mass(x, step(x, y))).sum()
-            } else {
-                1.0
-            }
-        })
+        .map(|x| if twin == Twin::Redraw { on_film(x).map(|y| mass(x, step(x, y))).sum() } else { 1.0 })
         .collect();
 
     Moves::metropolis(world, |x, y| {
@@ -161,18 +127,14 @@ pub fn lens(guides: &Guides, id: u32, twin: Twin) -> Moves {
         let mut probability = mass(x, d) / film_mass[x];
         if twin == Twin::Clamp {
             let off_film = clamped_onto(world, world.states[y].pixel);
-            probability += off_film
-                .map(|p| mass(x, difference(p, world.states[x].pixel)))
-                .sum::<f64>();
+            probability += off_film.map(|p| mass(x, difference(p, world.states[x].pixel))).sum::<f64>();
         }
         let (mut q_x, mut q_y) = (forward[x].log_density(d), reverse[y].log_density(back));
         match twin {
             Twin::ReverseLeftOut => q_y = 0.0,
             Twin::ShapeOfX => q_y = forward[x].log_density(back),
             Twin::AlphaOfX => q_y = shape_with_alpha_of(guides, x, y, id).log_density(back),
-            Twin::AreaDropped => {
-                (q_x, q_y) = (q_x + forward[x].log_area(), q_y + reverse[y].log_area())
-            }
+            Twin::AreaDropped => (q_x, q_y) = (q_x + forward[x].log_area(), q_y + reverse[y].log_area()),
             _ => {}
         }
         Some((probability, q_x, q_y))
@@ -203,9 +165,7 @@ fn clamped_onto(world: &World, border: [f64; 2]) -> impl Iterator<Item = [f64; 2
     let rows = -MARGIN_PX..size[1] + MARGIN_PX;
     let around = rows.flat_map(move |y| (-MARGIN_PX..size[0] + MARGIN_PX).map(move |x| [x, y]));
     let float = |p: [i32; 2]| p.map(f64::from);
-    around
-        .filter(move |&p| clamp(p) != p && float(clamp(p)) == border)
-        .map(float)
+    around.filter(move |&p| clamp(p) != p && float(clamp(p)) == border).map(float)
 }
 
 /// Guided jump (METHOD.md 3.6 f): any type, then a pixel near the guides that a look-up for THAT type returns. Type
@@ -214,38 +174,23 @@ fn jump(guides: &Guides, id: u32, twin: Twin) -> Moves {
     let world = guides.world;
     let density = |node: &dyn Fn(TypeKey) -> Option<NodeRange>| -> Vec<f64> {
         let one_of_the_types = 1.0 / world.types.len() as f64;
-        let to =
-            |y: usize| one_of_the_types * kernel_density(guides, node(world.states[y].key), y, id);
+        let to = |y: usize| one_of_the_types * kernel_density(guides, node(world.states[y].key), y, id);
         (0..world.states.len()).map(to).collect()
     };
     let rule = |key| guides.pool.node(key);
     let earlier = |key: TypeKey| {
         let large = |node: &NodeRange| node.count >= 2;
-        guides
-            .pool
-            .type_node(key)
-            .filter(large)
-            .or_else(|| guides.pool.length_node(key.edges()))
+        guides.pool.type_node(key).filter(large).or_else(|| guides.pool.length_node(key.edges()))
     };
     let forward = density(&rule);
-    let reverse = if twin == Twin::ReverseBacktracksEarlier {
-        density(&earlier)
-    } else {
-        forward.clone()
-    };
-    Moves::metropolis(world, |x, y| {
-        Some((forward[y], forward[y].ln(), reverse[x].ln()))
-    })
+    let reverse = if twin == Twin::ReverseBacktracksEarlier { density(&earlier) } else { forward.clone() };
+    Moves::metropolis(world, |x, y| Some((forward[y], forward[y].ln(), reverse[x].ln())))
 }
 
 /// Density of a pixel near the guides: steps of fixed shape from each, one part in ten anywhere on the film.
 fn kernel_density(guides: &Guides, node: Option<NodeRange>, y: usize, id: u32) -> f64 {
     let world = guides.world;
-    let shape = StepShape {
-        l11: 0.8,
-        l21: 0.2,
-        l22: 0.6,
-    };
+    let shape = StepShape { l11: 0.8, l21: 0.2, l22: 0.6 };
     let chosen = guides.chosen(node, id);
     let near = |&guide: &usize| {
         let d = difference(world.states[y].pixel, world.states[guide].pixel);
@@ -260,9 +205,7 @@ fn kernel_density(guides: &Guides, node: Option<NodeRange>, y: usize, id: u32) -
 
 /// Independence move (METHOD.md 2.1): proposals from a fixed law that is not the target.
 pub fn independence(world: &World) -> Moves {
-    let raw: Vec<f64> = (0..world.states.len())
-        .map(|y| 1.0 + (hash(9, y as u64) % 5) as f64)
-        .collect();
+    let raw: Vec<f64> = (0..world.states.len()).map(|y| 1.0 + (hash(9, y as u64) % 5) as f64).collect();
     let sum: f64 = raw.iter().sum();
     Moves::metropolis(world, |x, y| {
         let density = |state: usize| raw[state] / sum;

@@ -26,8 +26,7 @@ pub struct World {
 
 /// A fixed scramble of small numbers.
 pub fn hash(a: u64, b: u64) -> u64 {
-    let mut z =
-        (a + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (b + 1).wrapping_mul(0xD6E8_FEB8_6659_FD93);
+    let mut z = (a + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (b + 1).wrapping_mul(0xD6E8_FEB8_6659_FD93);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     z ^ (z >> 31)
@@ -35,24 +34,16 @@ pub fn hash(a: u64, b: u64) -> u64 {
 
 impl World {
     pub fn new(size_px: [usize; 2], strings: &[&[Tag]]) -> Self {
-        let types: Vec<TypeKey> = strings
-            .iter()
-            .map(|tags| TypeKey::from_tags(tags))
-            .collect();
+        let types: Vec<TypeKey> = strings.iter().map(|tags| TypeKey::from_tags(tags)).collect();
         let states = types
             .iter()
             .zip(0..)
             .flat_map(|(&key, t)| {
-                let pixels =
-                    (0..size_px[1]).flat_map(move |y| (0..size_px[0]).map(move |x| [x, y]));
+                let pixels = (0..size_px[1]).flat_map(move |y| (0..size_px[0]).map(move |x| [x, y]));
                 pixels.map(move |[x, y]| state(key, t, [x, y], size_px[0]))
             })
             .collect();
-        Self {
-            size_px,
-            types,
-            states,
-        }
+        Self { size_px, types, states }
     }
 
     /// Three types: two of one length, one of another; 36 states.
@@ -85,29 +76,12 @@ fn state(key: TypeKey, t: u64, [x, y]: [usize; 2], width: usize) -> State {
     let vertex = |j: u32| {
         let toward_camera = j as f32 / key.edges() as f32;
         let wobble = (hash(scramble, u64::from(j)) % 100) as f32 * 2e-3;
-        [
-            0.4 * x as f32 * toward_camera,
-            0.4 * y as f32 + wobble,
-            depth * toward_camera + 0.1 * t as f32,
-        ]
+        [0.4 * x as f32 * toward_camera, 0.4 * y as f32 + wobble, depth * toward_camera + 0.1 * t as f32]
     };
     // A ridge across the film, another for each type; one state carries nothing at all.
-    let ridge = if (x + y + t as usize).is_multiple_of(3) {
-        9
-    } else {
-        0
-    };
-    let weight = if t == 0 && x == 1 && y == 1 {
-        0
-    } else {
-        1 + ridge + scramble % 7
-    };
-    State {
-        key,
-        pixel: [x as f64, y as f64],
-        vertices: (0..=key.edges()).map(vertex).collect(),
-        weight: weight as f64,
-    }
+    let ridge = if (x + y + t as usize).is_multiple_of(3) { 9 } else { 0 };
+    let weight = if t == 0 && x == 1 && y == 1 { 0 } else { 1 + ridge + scramble % 7 };
+    State { key, pixel: [x as f64, y as f64], vertices: (0..=key.edges()).map(vertex).collect(), weight: weight as f64 }
 }
 
 /// A frozen half: the pool, and what is computed from it.
@@ -123,27 +97,17 @@ pub struct Guides<'w> {
 
 impl<'w> Guides<'w> {
     pub fn new(world: &'w World, states: &[usize], wanted: u32) -> Self {
-        let keys: Vec<TypeKey> = states
-            .iter()
-            .map(|&state| world.states[state].key)
-            .collect();
+        let keys: Vec<TypeKey> = states.iter().map(|&state| world.states[state].key).collect();
         let pool = Pool::build(&keys, 0);
         let stride = states.len();
-        let vertices = keys
-            .iter()
-            .map(|key| key.edges() as usize + 1)
-            .max()
-            .unwrap_or(0);
+        let vertices = keys.iter().map(|key| key.edges() as usize + 1).max().unwrap_or(0);
         let mut rows = vec![[f32::NAN; 4]; vertices * stride];
         for (path, &state) in states.iter().enumerate() {
             for (j, &[x, y, z]) in world.states[state].vertices.iter().enumerate() {
                 rows[j * stride + path] = [x, y, z, 1.0];
             }
         }
-        let positions = Positions {
-            rows: &rows,
-            stride,
-        };
+        let positions = Positions { rows: &rows, stride };
         let median = similarity_median(&pool, positions, BANDWIDTH as f32, wanted);
         let settings = StepSettings {
             alpha_low: 0.05,
@@ -153,13 +117,7 @@ impl<'w> Guides<'w> {
             floor_px: 0.5,
             widest_px: 2.5,
         };
-        Self {
-            world,
-            pool,
-            states: states.to_vec(),
-            settings,
-            wanted,
-        }
+        Self { world, pool, states: states.to_vec(), settings, wanted }
     }
 
     /// States of the guides that `id` selects in a node.
@@ -187,12 +145,7 @@ impl<'w> Guides<'w> {
     /// The shape of the guided step from state `x`.
     pub fn shape(&self, x: usize, id: u32) -> StepShape {
         let (squared, pixels) = self.evidence(x, id);
-        StepShape::guided(
-            self.world.states[x].pixel,
-            &squared,
-            &pixels,
-            &self.settings,
-        )
+        StepShape::guided(self.world.states[x].pixel, &squared, &pixels, &self.settings)
     }
 }
 
@@ -200,11 +153,8 @@ impl<'w> Guides<'w> {
 pub fn guide_sets(world: &World) -> Vec<Vec<usize>> {
     let pixels = world.pixels();
     let at = |t: usize, n: usize| t * pixels + hash(t as u64, n as u64) as usize % pixels;
-    let mut sets = vec![
-        vec![at(0, 0), at(1, 1), at(2, 2)],
-        vec![at(0, 3), at(0, 4), at(2, 5), at(2, 6)],
-        vec![at(1, 7); 5],
-    ];
+    let mut sets =
+        vec![vec![at(0, 0), at(1, 1), at(2, 2)], vec![at(0, 3), at(0, 4), at(2, 5), at(2, 6)], vec![at(1, 7); 5]];
     for t in 0..3 {
         sets.push((0..4).map(|n| at(t, n)).collect());
     }
