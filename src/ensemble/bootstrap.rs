@@ -18,7 +18,7 @@ pub const BATCH: u32 = 1 << 16;
 pub const LIST_WORDS: u32 = 3;
 /// Pass indices of the pilot and of the candidates: apart from those of mutations, which count up from 0.
 const PILOT_PASS: u32 = 0x8000_0000;
-const CANDIDATE_PASS: u32 = 0x8000_0001;
+pub const CANDIDATE_PASS: u32 = 0x8000_0001;
 
 /// Running mean of independent samples of b, with the scatter that gives its standard error.
 #[derive(Debug, Clone, Copy, Default)]
@@ -49,10 +49,19 @@ impl Mean {
 /// One candidate as the device reports it.
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-struct Candidate {
-    log_weight: f32,
-    pixel: [f32; 2],
+pub struct Candidate {
+    /// log(I / density), -1e30 where I = 0.
+    pub log_weight: f32,
+    pub pixel: [f32; 2],
     rays: f32,
+}
+
+impl Candidate {
+    /// I / density: a sample of b.
+    pub fn weight(&self) -> f64 {
+        let w = f64::from(self.log_weight).exp();
+        if w.is_finite() { w } else { 0.0 }
+    }
 }
 
 /// What the start leaves: the paths themselves are in the chains.
@@ -89,10 +98,10 @@ impl Start<'_> {
         strategies = strategies.adapted(
             list.iter()
                 .zip(&pilot)
-                .map(|(strategy, candidate)| (*strategy, weight(candidate), f64::from(candidate.rays))),
+                .map(|(strategy, candidate)| (*strategy, candidate.weight(), f64::from(candidate.rays))),
         );
         let (candidates, list) = self.candidates(run, &strategies, CANDIDATES, CANDIDATE_PASS, &mut rays)?;
-        let weights: Vec<f64> = candidates.iter().map(weight).collect();
+        let weights: Vec<f64> = candidates.iter().map(Candidate::weight).collect();
         let mut b = Mean::default();
         weights.iter().for_each(|w| b.add(*w));
         if b.sum <= 0.0 {
@@ -106,8 +115,8 @@ impl Start<'_> {
         Ok(Bootstrap { strategies, b, rays, largest_share })
     }
 
-    /// Makes `count` candidates; systematic over strategies, so neighbours share one.
-    fn candidates(
+    /// Makes `count` candidates, with their strategies; systematic over strategies, so neighbours share one.
+    pub fn candidates(
         &mut self,
         run: &mut Run,
         strategies: &Strategies,
@@ -171,13 +180,13 @@ impl Start<'_> {
         chosen
     }
 
-    /// Makes the chosen candidates again, into the chains.
-    fn fill(&self, run: &mut Run, list: &[[u32; 2]], chosen: &[u32]) -> crate::Result<()> {
+    /// Makes the chosen candidates again, into the chains from the first on.
+    pub fn fill(&self, run: &mut Run, list: &[[u32; 2]], chosen: &[u32]) -> crate::Result<()> {
         let words: Vec<u32> = chosen.iter().flat_map(|&i| [list[i as usize][0], list[i as usize][1], i]).collect();
         run.set_lists(&words);
         let [_, variant] = variants(self.features, self.max_edges);
         let uniform = PassUniform {
-            entries: self.paths,
+            entries: chosen.len() as u32,
             pass_index: CANDIDATE_PASS,
             seed: self.seed,
             stride: self.paths,
@@ -185,11 +194,6 @@ impl Start<'_> {
         };
         run.submit(&[Dispatch { variant, uniform }])
     }
-}
-
-fn weight(candidate: &Candidate) -> f64 {
-    let w = f64::from(candidate.log_weight).exp();
-    if w.is_finite() { w } else { 0.0 }
 }
 
 /// Position along the Hilbert curve that fills a square of `side` (a power of two) pixels.

@@ -48,6 +48,7 @@ pub const STRATEGY_ENTRIES: usize = 1024;
 /// Rows of the chain state before the vertices (`ROW_VERTICES`), and the row of the type key (`ROW_KEY`).
 pub const ROW_VERTICES: usize = 4;
 pub const ROW_KEY: usize = 3;
+pub const ROW_PIXEL: usize = 0;
 
 /// Rows of vec4 that a chain with up to `max_edges` edges needs.
 pub fn chain_rows(max_edges: u32) -> usize {

@@ -55,7 +55,7 @@ pub struct Run<'a> {
     counters: wgpu::Buffer,
     staging: Option<wgpu::Buffer>,
     pipelines: HashMap<Variant, wgpu::ComputePipeline>,
-    /// Time the host spent waiting for the device.
+    /// Time spent in handing work to the device and waiting for it; software drivers work in either.
     pub device_time: Duration,
 }
 
@@ -211,7 +211,10 @@ impl<'a> Run<'a> {
                 pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
             }
         }
-        self.context.queue.submit([encoder.finish()]);
+        let commands = encoder.finish();
+        let start = Instant::now();
+        self.context.queue.submit([commands]);
+        self.device_time += start.elapsed();
         Ok(())
     }
 

@@ -1,0 +1,157 @@
+//! Proofs that the kernels on the device are exact (METHOD.md section 4), on a coloured scene with metal and glass; for
+//! each, a deliberately broken twin that the same test must catch.
+
+#[path = "kernel_proofs/bench.rs"]
+mod bench;
+#[path = "kernel_proofs/stationarity.rs"]
+mod stationarity;
+
+use bench::{Bench, Guides, HALF, context};
+use emlt::gpu::layout::{PassUniform, ROW_KEY};
+use emlt::gpu::shader::Variant;
+use emlt::kernels::{Kernel, guided_lens, lens};
+use stationarity::worst_z;
+
+const SCENE: &str = "coloured_box.glb";
+
+/// Share of proposals whose forward and backward log ratios do not cancel to 1e-3, and how many were looked at.
+fn asymmetric_share(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], guides: Guides) -> (f64, usize) {
+    let (mut bad, mut all) = (0usize, 0usize);
+    let mut pass = 1;
+    while all < 1_000_000 {
+        let (uniform, paths) = bench.list(HALF, guides);
+        let with = |extra: &'static str| -> Vec<&'static str> {
+            flags.iter().copied().chain(["probe"]).chain((extra != "probe").then_some(extra)).collect()
+        };
+        bench.passes(kernel, &with("probe"), uniform, pass..pass + 1);
+        let forward = bench.lens_records(paths.len() as u32);
+        // The way back reads where it came from in the records of the way there.
+        bench.passes(kernel, &with("probe_back"), uniform, pass..pass + 1);
+        let backward = bench.lens_records(paths.len() as u32);
+        for (f, b) in forward.iter().zip(&backward).filter(|(f, _)| f.possible) {
+            all += 1;
+            let cancels = b.possible && (f.log_ratio + b.log_ratio).abs() < 1e-3;
+            bad += usize::from(!cancels);
+        }
+        pass += 1;
+    }
+    (bad as f64 / all as f64, all)
+}
+
+/// METHOD.md 4.1 A1 on a million proposals a kernel.
+#[test]
+fn log_ratios_are_antisymmetric() {
+    let context = context();
+    let mut bench = Bench::new(&context, SCENE);
+    for kernel in [&lens::KERNEL, &guided_lens::KERNEL] {
+        let (share, n) = asymmetric_share(&mut bench, kernel, &[], Guides::Other);
+        println!("{}: {share:.2e} of {n} proposals asymmetric", kernel.name);
+        assert!(share < 1e-3, "{}: {share}", kernel.name);
+    }
+    // Two twins that this test has to catch: the ID advanced between the look-ups, and guides from the own half,
+    // which have moved by the time of the way back.
+    let (share, _) = asymmetric_share(&mut bench, &guided_lens::KERNEL, &["twin_id"], Guides::Other);
+    println!("twin, id advanced between the look-ups: {share:.3} asymmetric");
+    assert!(share > 0.05, "the twin with an advanced id passes: {share}");
+    let (share, _) = asymmetric_share(&mut bench, &guided_lens::KERNEL, &[], Guides::Own);
+    println!("twin, guides from the own half: {share:.3} asymmetric");
+    assert!(share > 0.05, "the twin with guides from the own half passes: {share}");
+}
+
+/// A step of length zero proposes the same path: log ratio 0 (METHOD.md section 6, item 8).
+#[test]
+fn a_step_of_zero_is_the_identity() {
+    let context = context();
+    let mut bench = Bench::new(&context, SCENE);
+    for kernel in [&lens::KERNEL, &guided_lens::KERNEL] {
+        let (uniform, paths) = bench.list(HALF, Guides::Other);
+        bench.passes(kernel, &["probe", "probe_still"], uniform, 1..2);
+        let records = bench.lens_records(paths.len() as u32);
+        let bad = records.iter().filter(|r| !r.possible || r.log_ratio.abs() > 1e-3).count();
+        println!("{}: {bad} of {} paths not reproduced by a step of zero", kernel.name, records.len());
+        assert!(bad as f64 <= 1e-3 * records.len() as f64, "{}: {bad}", kernel.name);
+    }
+}
+
+/// METHOD.md 4.1 A2: the factors that kernels keep agree with the master f, for start paths and after perturbations,
+/// and w of a stored path is the w it was generated with.
+#[test]
+fn kernels_factors_agree_with_the_target() {
+    let context = context();
+    let mut bench = Bench::new(&context, SCENE);
+    let entries: Vec<u32> = (0..HALF).flat_map(|path| [path, 0]).collect();
+    let all = PassUniform { seed: 77, stride: bench::PATHS, entries: HALF, ..Default::default() };
+    let weigh = emlt::kernels::Kernel { name: "weigh", pass: "weigh", flags: &[], applies: |_| true, guided: false };
+    for steps in [0u32, 8] {
+        let (uniform, _) = bench.list(HALF, Guides::Other);
+        bench.passes(&guided_lens::KERNEL, &[], uniform, 1..1 + steps);
+        let made: Vec<f32> = bench.rows(ROW_KEY, 0, HALF).iter().map(|r| f32::from_bits(r[2])).collect();
+        let keys = bench.keys(0, HALF);
+        bench.run.set_lists(&entries);
+        bench.passes(&weigh, &["probe"], all, 0..1);
+        let records = bench.records(HALF);
+        let mut bad = [0usize; 3];
+        for ((r, made), key) in records.iter().zip(&made).zip(&keys) {
+            if steps == 0 {
+                bad[0] += usize::from((r[0] - made).abs() > 1e-3);
+            }
+            if lens::applies(*key) {
+                bad[1] += usize::from((r[1] - r[3]).abs() > 1e-3);
+                bad[2] += usize::from(r[2] > 1e-3);
+            }
+        }
+        println!("after {steps} steps: {bad:?} of {HALF} differ in w, C_lens, colour");
+        assert!(bad.iter().all(|b| (*b as f64) < 1e-3 * f64::from(HALF)), "{steps} steps: {bad:?}");
+    }
+}
+
+/// METHOD.md 4.4 S1: weighted paired stationarity over image tiles and path lengths. The limit corresponds to an error
+/// probability of 1e-6 a bin, so below 1e-3 for the whole test.
+#[test]
+fn perturbations_leave_the_target_alone() {
+    const LIMIT: f64 = 4.9;
+    let context = context();
+    let mut bench = Bench::new(&context, SCENE);
+    for kernel in [&lens::KERNEL, &guided_lens::KERNEL] {
+        for steps in [1, 16] {
+            let z = worst_z(&mut bench, kernel, &[], steps, 500_000);
+            println!(
+                "{}, {steps} steps: worst |z| {:.2} in {} bins, chi2 / dof {:.2}",
+                kernel.name, z.worst, z.bins, z.chi2
+            );
+            assert!(z.worst < LIMIT, "{} after {steps} steps: |z| = {}", kernel.name, z.worst);
+        }
+    }
+    for twin in ["twin_one_sided", "twin_redraw"] {
+        let z = worst_z(&mut bench, &guided_lens::KERNEL, &[twin], 16, 500_000);
+        println!("{twin}: worst |z| {:.2}, chi2 / dof {:.2}", z.worst, z.chi2);
+        assert!(z.worst > LIMIT, "{twin} passes: |z| = {}", z.worst);
+    }
+}
+
+/// The long form: 1 to 64 steps over ten million chains.
+#[test]
+#[ignore = "takes tens of minutes; ./run test --long"]
+fn long_perturbations_leave_the_target_alone() {
+    let context = context();
+    let mut bench = Bench::new(&context, SCENE);
+    for kernel in [&lens::KERNEL, &guided_lens::KERNEL] {
+        for steps in [1, 4, 16, 64] {
+            let z = worst_z(&mut bench, kernel, &[], steps, 10_000_000);
+            println!(
+                "{}, {steps} steps: worst |z| {:.2} in {} bins, chi2 / dof {:.2}",
+                kernel.name, z.worst, z.bins, z.chi2
+            );
+            assert!(z.worst < 4.9, "{} after {steps} steps: |z| = {}", kernel.name, z.worst);
+        }
+    }
+}
+
+/// A variant that no one uses would hide a misspelt flag.
+#[test]
+fn twins_are_compiled_from_the_same_source() {
+    for flags in [vec!["guided"], vec!["guided", "twin_id"], vec!["guided", "twin_one_sided"]] {
+        let variant = Variant { pass: "lens", features: Default::default(), max_edges: 4, flags };
+        assert!(emlt::gpu::shader::compose(&variant).is_ok());
+    }
+}

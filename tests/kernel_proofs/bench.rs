@@ -1,0 +1,155 @@
+//! A device with a scene, start paths in both halves, and single kernels run over one half.
+
+use std::path::Path;
+
+use emlt::ensemble::bootstrap::{BATCH, Bootstrap, Candidate, Start};
+use emlt::ensemble::pool::{Pool, TypeKey};
+use emlt::ensemble::sweep::list_words;
+use emlt::gpu::context::Context;
+use emlt::gpu::layout::{COUNTER_WORDS, PassUniform, ROW_KEY, ROW_PIXEL, chain_rows};
+use emlt::gpu::run::{Buffer, Dispatch, Run, Sizes};
+use emlt::gpu::scene::SceneData;
+use emlt::gpu::shader::Variant;
+use emlt::kernels::guided_lens::SIMILARITY_RADIUS;
+use emlt::kernels::{Kernel, lens};
+use emlt::methods::Silent;
+use emlt::scene::{Features, import::import};
+
+pub const FILM: [u32; 2] = [64, 48];
+pub const MAX_EDGES: u32 = 8;
+/// Paths in the ensemble; the first half moves, the second half guides.
+pub const PATHS: u32 = 1 << 17;
+pub const HALF: u32 = PATHS / 2;
+
+/// Whose pool guides the moving half: the other half's, or (wrongly) its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Guides {
+    Other,
+    Own,
+}
+
+/// What a probing pass records per entry.
+pub struct Record {
+    pub log_ratio: f32,
+    pub possible: bool,
+}
+
+pub struct Bench<'a> {
+    pub run: Run<'a>,
+    pub features: Features,
+    pub bootstrap: Bootstrap,
+    guides: Pool,
+}
+
+pub fn context() -> Context {
+    Context::open(None).unwrap_or_else(|e| panic!("{e}"))
+}
+
+impl<'a> Bench<'a> {
+    /// Fills both halves with start paths of `scene` (a file under tests/scenes).
+    pub fn new(context: &'a Context, scene: &str) -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes").join(scene);
+        let scene = import(&path).unwrap_or_else(|e| panic!("{e}"));
+        let camera = scene.camera(None).unwrap();
+        let data = SceneData::new(&scene, camera, FILM[0], FILM[1]).unwrap();
+        let features = Features::of(&scene);
+        let sizes = Sizes {
+            chains: 16 * chain_rows(MAX_EDGES) as u64 * u64::from(PATHS),
+            lists: 4 * list_words(PATHS, BATCH),
+            output: 16 * u64::from(PATHS),
+            counters: 4 * COUNTER_WORDS as u64,
+        };
+        let mut run = Run::new(context, &data, sizes).unwrap();
+        let bootstrap = start(features, 1, &mut Silent).run(&mut run).unwrap();
+        let mut bench = Self { run, features, bootstrap, guides: Pool::default() };
+        bench.guides = bench.pool(HALF, HALF);
+        bench
+    }
+
+    /// A row of the chains, for `count` paths from `first` on.
+    pub fn rows(&mut self, row: usize, first: u32, count: u32) -> Vec<[u32; 4]> {
+        let start = 16 * (row as u64 * u64::from(PATHS) + u64::from(first));
+        let bytes = self.run.read(Buffer::Chains, &[start..start + 16 * u64::from(count)]).unwrap();
+        bytemuck::cast_slice(&bytes).to_vec()
+    }
+
+    pub fn pixels(&mut self, count: u32) -> Vec<[f32; 2]> {
+        self.rows(ROW_PIXEL, 0, count).iter().map(|r| [f32::from_bits(r[0]), f32::from_bits(r[1])]).collect()
+    }
+
+    pub fn keys(&mut self, first: u32, count: u32) -> Vec<TypeKey> {
+        self.rows(ROW_KEY, first, count).iter().map(|r| TypeKey::from_words([r[0], r[1]]).unwrap()).collect()
+    }
+
+    fn pool(&mut self, first: u32, count: u32) -> Pool {
+        Pool::build(&self.keys(first, count), first)
+    }
+
+    /// Sets the dispatch list of the lens kernels over the first `count` paths; returns what the dispatches need.
+    pub fn list(&mut self, count: u32, guides: Guides) -> (PassUniform, Vec<u32>) {
+        let moving = self.pool(0, count);
+        let guides = if guides == Guides::Own { &moving } else { &self.guides };
+        let list = moving.dispatch_list(lens::applies, guides);
+        let mut words: Vec<u32> = list.entries.iter().flatten().copied().collect();
+        let nodes_offset = words.len() as u32;
+        words.extend(list.nodes.iter().flatten());
+        let order_offset = words.len() as u32;
+        words.extend(&guides.order);
+        self.run.set_lists(&words);
+        let uniform = PassUniform {
+            seed: 77,
+            stride: PATHS,
+            entries: list.entries.len() as u32,
+            nodes_offset,
+            order_offset,
+            similarity_median: -8.0,
+            similarity_scale: 1.0 / (SIMILARITY_RADIUS * SIMILARITY_RADIUS),
+            ..Default::default()
+        };
+        (uniform, list.entries.iter().map(|e| e[0]).collect())
+    }
+
+    /// Runs `kernel` with further flags once per pass index.
+    pub fn passes(
+        &mut self,
+        kernel: &Kernel,
+        more: &[&'static str],
+        uniform: PassUniform,
+        indices: std::ops::Range<u32>,
+    ) {
+        let flags = kernel.flags.iter().chain(more).copied().collect();
+        let variant = Variant { pass: kernel.pass, features: self.features, max_edges: MAX_EDGES, flags };
+        let dispatches: Vec<Dispatch> = indices
+            .map(|pass_index| Dispatch { variant: variant.clone(), uniform: PassUniform { pass_index, ..uniform } })
+            .collect();
+        self.run.submit(&dispatches).unwrap();
+    }
+
+    /// The records of the last probing pass.
+    pub fn records(&mut self, count: u32) -> Vec<[f32; 4]> {
+        let bytes = self.run.read(Buffer::Output, &[0..16 * u64::from(count)]).unwrap();
+        bytemuck::cast_slice(&bytes).to_vec()
+    }
+
+    pub fn lens_records(&mut self, count: u32) -> Vec<Record> {
+        let rows = self.records(count);
+        rows.iter().map(|r| Record { log_ratio: r[0], possible: r[3] > -1e29 }).collect()
+    }
+
+    /// Fresh candidates with their strategies: X_0 drawn from the bidirectional density, not resampled.
+    pub fn candidates(&mut self, count: u32, seed: u32) -> (Vec<Candidate>, Vec<[u32; 2]>) {
+        let strategies = self.bootstrap.strategies.clone();
+        start(self.features, seed, &mut Silent)
+            .candidates(&mut self.run, &strategies, count, emlt::ensemble::bootstrap::CANDIDATE_PASS, &mut 0)
+            .unwrap()
+    }
+
+    /// Puts candidates of `seed` into the first chains.
+    pub fn fill(&mut self, seed: u32, strategies: &[[u32; 2]], chosen: &[u32]) {
+        start(self.features, seed, &mut Silent).fill(&mut self.run, strategies, chosen).unwrap();
+    }
+}
+
+fn start(features: Features, seed: u32, observer: &mut Silent) -> Start<'_> {
+    Start { features, max_edges: MAX_EDGES, seed, paths: PATHS, film: FILM, observer }
+}

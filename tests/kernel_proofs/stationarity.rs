@@ -1,0 +1,76 @@
+//! Weighted paired stationarity (METHOD.md 4.4 S1).
+//!
+//! X_0 is drawn from the bidirectional density with weight W = I / density, moved t steps to X_t by the kernel under test
+//! with fixed guides that do not depend on X_0. For every kernel that leaves the target invariant,
+//! E[W (h(X_t) - h(X_0))] = 0 exactly for every h: no reference and no exact samples are needed.
+
+use crate::bench::{Bench, FILM, Guides, HALF, MAX_EDGES};
+use emlt::kernels::Kernel;
+
+/// Side of a tile in pixels.
+const TILE: u32 = 4;
+
+pub struct Verdict {
+    pub worst: f64,
+    pub bins: usize,
+    /// Sum of z^2 over its expectation: near 1 for an exact kernel.
+    pub chi2: f64,
+}
+
+/// Largest |z| over tiles x lengths, from at least `chains` chains.
+pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps: u32, chains: usize) -> Verdict {
+    let columns = FILM[0] / TILE;
+    let tiles = (columns * (FILM[1] / TILE)) as usize;
+    let bins = tiles * MAX_EDGES as usize;
+    let tile = |p: [f32; 2]| {
+        let x = (p[0] as u32).min(FILM[0] - 1) / TILE;
+        let y = (p[1] as u32).min(FILM[1] - 1) / TILE;
+        (y * columns + x) as usize
+    };
+    let mut sum = vec![0.0f64; bins];
+    let mut squares = vec![0.0f64; bins];
+    let mut touched = vec![0usize; bins];
+    let mut n = 0usize;
+    let mut seed = 1000;
+    while n < chains {
+        seed += 1;
+        let (candidates, strategies) = bench.candidates(1 << 17, seed);
+        let lit: Vec<u32> = (0..candidates.len() as u32).filter(|i| candidates[*i as usize].weight() > 0.0).collect();
+        for chunk in lit.chunks(HALF as usize) {
+            let count = chunk.len() as u32;
+            bench.fill(seed, &strategies, chunk);
+            let keys = bench.keys(0, count);
+            let before = bench.pixels(count);
+            let (uniform, _) = bench.list(count, Guides::Other);
+            // Pass indices of their own for every chunk: no random number is used twice.
+            let first = seed * 1024 + (n as u32 % 7) * 64;
+            bench.passes(kernel, flags, uniform, first..first + steps);
+            let after = bench.pixels(count);
+            for (i, &candidate) in chunk.iter().enumerate() {
+                let w = candidates[candidate as usize].weight();
+                let (from, to) = (tile(before[i]), tile(after[i]));
+                if from != to {
+                    let length = (keys[i].edges() as usize - 1) * tiles;
+                    for (bin, sign) in [(length + from, -1.0), (length + to, 1.0)] {
+                        sum[bin] += sign * w;
+                        squares[bin] += w * w;
+                        touched[bin] += 1;
+                    }
+                }
+            }
+            n += chunk.len();
+        }
+    }
+    let mut verdict = Verdict { worst: 0.0, bins: 0, chi2: 0.0 };
+    for bin in 0..bins {
+        // The normal law needs a few hundred terms in a bin.
+        if touched[bin] >= 300 {
+            let z = sum[bin] / squares[bin].sqrt();
+            verdict.worst = verdict.worst.max(z.abs());
+            verdict.chi2 += z * z;
+            verdict.bins += 1;
+        }
+    }
+    verdict.chi2 /= verdict.bins.max(1) as f64;
+    verdict
+}
