@@ -1,1 +1,255 @@
-//! From a glTF file to a [`Scene`](super::Scene).
+//! From a glTF 2.0 file to a [`Scene`].
+//!
+//! The `gltf` crate gives the JSON its types; its validation is not used, since it refuses files whose geometry is fine.
+//! Instead, everything that is read is checked where it is read: [`accessor`] bounds, [`nodes`] cycles, [`mesh`] indices.
+
+mod accessor;
+mod camera;
+mod closed;
+mod file;
+mod material;
+mod mesh;
+mod nodes;
+mod notes;
+mod place;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::{DAffine3, Vec3};
+use gltf::json::mesh::Semantic;
+use gltf::json::validation::Checked;
+
+use self::file::File;
+use self::material::Refraction;
+use self::mesh::Triangles;
+use self::nodes::Instances;
+use self::notes::{Feature, Notes};
+use crate::Error;
+use crate::scene::{Material, Scene};
+
+/// Most triangles in a scene, so that a small file of many instances cannot fill the memory: 1.4 GiB at worst.
+const MAX_TRIANGLES: u64 = 1 << 24;
+/// Extensions without which the geometry cannot be read at all.
+const COMPRESSIONS: [&str; 3] = ["EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_meshopt_compression"];
+/// Extensions that a file may require: the import either honours them or has a sentence of its own about them.
+const KNOWN: [&str; 12] = [
+    "EXT_lights_image_based",
+    "EXT_mesh_gpu_instancing",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// Reads a .gltf or .glb file: the default scene with its cameras and materials, in world space and the file's units.
+///
+/// What the renderer cannot do yet is left out and said in [`Scene::warnings`]. Images are not read.
+/// A file without a camera gets a framed one called "default"; a file without a light gets a white sky.
+///
+/// # Errors
+/// [`Error::Input`] with one sentence that names the file and the element: unreadable or malformed files, required
+/// compression, degenerate cameras, positions that are not finite, no triangles at all, or more than can be rendered.
+pub fn import(path: &Path) -> crate::Result<Scene> {
+    let of_file = |why| Error::input(format!("{} {why}", path.display()));
+    let of_element = |why| Error::input(format!("{}: {why}", path.display()));
+    let file = File::open(path).map_err(of_file)?;
+    let required = &file.root.extensions_required;
+    if let Some(name) = required.iter().find(|name| COMPRESSIONS.contains(&name.as_str())) {
+        let why =
+            format!("needs the glTF extension {name}, which is not supported: export it without mesh compression");
+        return Err(of_file(why));
+    }
+    let mut importer = Importer::new(&file);
+    importer.scene.name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    for node in nodes::placed(&file).map_err(of_element)? {
+        importer.add_node(node.index, node.world_from_node).map_err(of_element)?;
+    }
+    importer.finish().map_err(of_file)
+}
+
+/// The scene as it grows, node by node.
+struct Importer<'a> {
+    file: &'a File,
+    scene: Scene,
+    notes: Notes,
+    /// The file's materials that are in use (None: glTF's default one), converted once.
+    converted: HashMap<Option<usize>, (Material, Refraction)>,
+    /// Index into the scene's materials, by the file's material and whether it is thin.
+    placed_materials: HashMap<(Option<usize>, bool), u32>,
+    /// Whether the triangles of a mesh that have a material are closed.
+    closed: HashMap<(usize, Option<usize>), bool>,
+    /// Triangles read so far, dropped ones included.
+    triangles_read: u64,
+}
+
+impl<'a> Importer<'a> {
+    fn new(file: &'a File) -> Self {
+        Self {
+            file,
+            scene: Scene::default(),
+            notes: Notes::default(),
+            converted: HashMap::new(),
+            placed_materials: HashMap::new(),
+            closed: HashMap::new(),
+            triangles_read: 0,
+        }
+    }
+
+    /// Adds what a node of the file holds.
+    fn add_node(&mut self, index: usize, world_from_node: DAffine3) -> Result<(), String> {
+        let node = &self.file.root.nodes[index];
+        if node.extensions.as_ref().is_some_and(|e| e.khr_lights_punctual.is_some()) {
+            self.notes.add(Feature::PunctualLight, index);
+        }
+        if let Some(camera) = node.camera {
+            self.add_camera(camera.value(), node.name.as_deref(), world_from_node)?;
+        }
+        if let Some(mesh) = node.mesh {
+            let instances = Instances::new(self.file, index)?;
+            for i in 0..instances.count {
+                self.add_mesh(mesh.value(), node.weights.as_deref(), world_from_node * instances.at(i))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn add_camera(&mut self, index: usize, node_name: Option<&str>, world_from_node: DAffine3) -> Result<(), String> {
+        let path = format!("cameras[{index}]");
+        let Some(json) = self.file.root.cameras.get(index) else {
+            return Err(format!("{path} does not exist: export the file again"));
+        };
+        let name = json.name.as_deref().or(node_name).filter(|name| !name.is_empty());
+        let name = name.map_or_else(|| format!("camera {}", self.scene.cameras.len()), str::to_string);
+        let called = format!("{path} ('{name}')");
+        match camera::convert(json, self.unused_camera_name(name), world_from_node) {
+            Ok(Some(camera)) => self.scene.cameras.push(camera),
+            Ok(None) => self.notes.add(Feature::Orthographic, index),
+            Err(why) => return Err(format!("{called}: {why}")),
+        }
+        Ok(())
+    }
+
+    /// `name`, numbered if another camera has it: cameras are chosen by name.
+    fn unused_camera_name(&self, name: String) -> String {
+        let taken = |name: &str| self.scene.cameras.iter().any(|camera| camera.name == name);
+        let numbered = (2..).map(|n| format!("{name} {n}"));
+        std::iter::once(name.clone()).chain(numbered).find(|name| !taken(name)).unwrap_or(name)
+    }
+
+    fn add_mesh(&mut self, index: usize, weights: Option<&[f32]>, world_from_mesh: DAffine3) -> Result<(), String> {
+        let path = format!("meshes[{index}]");
+        let Some(mesh) = self.file.root.meshes.get(index) else {
+            return Err(format!("{path} does not exist: export the file again"));
+        };
+        let weights = weights.or(mesh.weights.as_deref()).unwrap_or(&[]);
+        let mut parts = Vec::new();
+        for (i, primitive) in mesh.primitives.iter().enumerate() {
+            let path = format!("{path}.primitives[{i}]");
+            let room = MAX_TRIANGLES.saturating_sub(self.triangles_read);
+            let triangles =
+                mesh::triangles(self.file, primitive, weights, room).map_err(|why| format!("{path}: {why}"))?;
+            let Some(triangles) = triangles else {
+                self.notes.add(Feature::PointsOrLines, index);
+                continue;
+            };
+            self.triangles_read += triangles.corners.len() as u64;
+            if primitive.attributes.keys().any(|key| matches!(key, Checked::Valid(Semantic::Colors(_)))) {
+                self.notes.add(Feature::VertexColor, index);
+            }
+            parts.push((path, triangles, primitive.material.map(|material| material.value())));
+        }
+        for (path, triangles, material) in &parts {
+            let thin = match self.converted(*material)?.1 {
+                Refraction::Thin => true,
+                Refraction::Solid => false,
+                Refraction::WhereClosed => {
+                    let parts = || parts.iter().map(|(_, triangles, material)| (triangles, *material));
+                    let closed = || closed(parts().filter(|part| part.1 == *material)) || closed(parts());
+                    !*self.closed.entry((index, *material)).or_insert_with(closed)
+                }
+            };
+            let material = self.placed_material(*material, thin)?;
+            let dropped = place::add_triangles(&mut self.scene, triangles, material, world_from_mesh);
+            self.notes.flat_triangles += dropped.map_err(|why| format!("{path}: {why}"))?;
+        }
+        Ok(())
+    }
+
+    /// The file's material, converted.
+    fn converted(&mut self, index: Option<usize>) -> Result<&(Material, Refraction), String> {
+        if !self.converted.contains_key(&index) {
+            let converted = match index {
+                None => (Material::default(), Refraction::Thin),
+                Some(i) => {
+                    let path = format!("materials[{i}]");
+                    let Some(json) = self.file.root.materials.get(i) else {
+                        return Err(format!("{path} does not exist: export the file again"));
+                    };
+                    material::convert(json, i, &mut self.notes).map_err(|why| format!("{path}: {why}"))?
+                }
+            };
+            self.converted.insert(index, converted);
+        }
+        Ok(&self.converted[&index])
+    }
+
+    /// Index of the scene's material; a material used both thin and solid becomes two.
+    fn placed_material(&mut self, index: Option<usize>, thin: bool) -> Result<u32, String> {
+        if let Some(&placed) = self.placed_materials.get(&(index, thin)) {
+            return Ok(placed);
+        }
+        let mut material = Material { thin, ..self.converted(index)?.0.clone() };
+        if self.placed_materials.contains_key(&(index, !thin)) {
+            material.name += if thin { " (thin)" } else { " (solid)" };
+        }
+        let placed = self.scene.materials.len() as u32;
+        self.scene.materials.push(material);
+        self.placed_materials.insert((index, thin), placed);
+        Ok(placed)
+    }
+
+    /// The scene with what only the whole of it tells: its lights, its warnings, a camera if it has none.
+    fn finish(self) -> Result<Scene, String> {
+        let Self { file, mut scene, notes, .. } = self;
+        if scene.triangles.is_empty() {
+            return Err("has no triangles to render in its default scene: export it with meshes".into());
+        }
+        scene.warnings = notes.sentences();
+        if file.root.extensions_used.iter().any(|name| name == "EXT_lights_image_based") {
+            scene.warnings.push("Image-based lights (EXT_lights_image_based) are not supported yet: left out.".into());
+        }
+        for name in &file.root.extensions_required {
+            if !KNOWN.contains(&name.as_str()) && !notes::MATERIAL_EXTENSIONS.iter().any(|(known, _)| known == name) {
+                scene.warnings.push(format!(
+                    "The file needs the glTF extension {name}, which is not supported: it may look wrong."
+                ));
+            }
+        }
+        // Of the materials in use: one whose triangles were all dropped lights nothing.
+        if !scene.triangle_materials.iter().any(|&m| scene.materials[m as usize].emits()) {
+            scene.sky = Some(Vec3::ONE);
+            scene
+                .warnings
+                .push("The file has no light that can be rendered: a white sky of radiance 1 is added.".into());
+        }
+        if scene.cameras.is_empty() {
+            scene.cameras.push(camera::framed(&scene));
+            scene.warnings.push("The file has no perspective camera: one that sees the whole scene is added.".into());
+        }
+        Ok(scene)
+    }
+}
+
+/// Whether the triangles of some primitives together enclose a volume.
+fn closed<'a>(parts: impl Iterator<Item = (&'a Triangles<'a>, Option<usize>)> + Clone) -> bool {
+    closed::is_closed(
+        parts.flat_map(|(part, _)| part.corners.iter().map(|corners| corners.map(|vertex| part.positions.at(vertex)))),
+    )
+}
