@@ -11,27 +11,27 @@ mod material;
 mod mesh;
 mod nodes;
 mod notes;
+mod place;
 
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use glam::{DAffine3, Vec3};
 use gltf::json::mesh::Semantic;
 use gltf::json::validation::Checked;
 
 use self::file::File;
 use self::material::Refraction;
 use self::mesh::Triangles;
+use self::nodes::Instances;
 use self::notes::{Feature, Notes};
 use crate::Error;
 use crate::scene::{Material, Scene};
 
-/// Most triangles in a scene: 1 GiB of vertices and indices at worst is what a file may make of a few instances.
+/// Most triangles in a scene, so that a small file of many instances cannot fill the memory: 1.4 GiB at worst.
 const MAX_TRIANGLES: u64 = 1 << 24;
-/// Largest coordinate: squares of distances stay finite in f32.
-const MAX_COORDINATE: f32 = 1e18;
 /// Extensions without which the geometry cannot be read at all.
-const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_draco_mesh_compression"];
+const COMPRESSIONS: [&str; 3] = ["EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_meshopt_compression"];
 /// Extensions that a file may require: the import either honours them or has a sentence of its own about them.
 const KNOWN: [&str; 12] = [
     "EXT_lights_image_based",
@@ -57,22 +57,21 @@ const KNOWN: [&str; 12] = [
 /// [`Error::Input`] with one sentence that names the file and the element: unreadable or malformed files, required
 /// compression, degenerate cameras, positions that are not finite, no triangles at all, or more than can be rendered.
 pub fn import(path: &Path) -> crate::Result<Scene> {
-    read(path).map_err(|why| Error::input(format!("{}: {why}", path.display())))
-}
-
-/// [`import`] with errors that do not name the file.
-fn read(path: &Path) -> Result<Scene, String> {
-    let file = File::open(path)?;
+    let of_file = |why| Error::input(format!("{} {why}", path.display()));
+    let of_element = |why| Error::input(format!("{}: {why}", path.display()));
+    let file = File::open(path).map_err(of_file)?;
     let required = &file.root.extensions_required;
     if let Some(name) = required.iter().find(|name| COMPRESSIONS.contains(&name.as_str())) {
-        return Err(format!("needs the glTF extension {name}, which is not supported: export it without mesh compression"));
+        let why =
+            format!("needs the glTF extension {name}, which is not supported: export it without mesh compression");
+        return Err(of_file(why));
     }
     let mut importer = Importer::new(&file);
     importer.scene.name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    for node in nodes::placed(&file)? {
-        importer.add_node(node.index, node.world_from_node)?;
+    for node in nodes::placed(&file).map_err(of_element)? {
+        importer.add_node(node.index, node.world_from_node).map_err(of_element)?;
     }
-    importer.finish()
+    importer.finish().map_err(of_file)
 }
 
 /// The scene as it grows, node by node.
@@ -113,7 +112,10 @@ impl<'a> Importer<'a> {
             self.add_camera(camera.value(), node.name.as_deref(), world_from_node)?;
         }
         if let Some(mesh) = node.mesh {
-            self.add_mesh(mesh.value(), node.weights.as_deref(), world_from_node)?;
+            let instances = Instances::new(self.file, index)?;
+            for i in 0..instances.count {
+                self.add_mesh(mesh.value(), node.weights.as_deref(), world_from_node * instances.at(i))?;
+            }
         }
         Ok(())
     }
@@ -151,7 +153,8 @@ impl<'a> Importer<'a> {
         for (i, primitive) in mesh.primitives.iter().enumerate() {
             let path = format!("{path}.primitives[{i}]");
             let room = MAX_TRIANGLES.saturating_sub(self.triangles_read);
-            let triangles = mesh::triangles(self.file, primitive, weights, room).map_err(|why| format!("{path}: {why}"))?;
+            let triangles =
+                mesh::triangles(self.file, primitive, weights, room).map_err(|why| format!("{path}: {why}"))?;
             let Some(triangles) = triangles else {
                 self.notes.add(Feature::PointsOrLines, index);
                 continue;
@@ -173,7 +176,8 @@ impl<'a> Importer<'a> {
                 }
             };
             let material = self.placed_material(*material, thin)?;
-            self.add_triangles(triangles, material, world_from_mesh).map_err(|why| format!("{path}: {why}"))?;
+            let dropped = place::add_triangles(&mut self.scene, triangles, material, world_from_mesh);
+            self.notes.flat_triangles += dropped.map_err(|why| format!("{path}: {why}"))?;
         }
         Ok(())
     }
@@ -211,48 +215,6 @@ impl<'a> Importer<'a> {
         Ok(placed)
     }
 
-    /// Adds a primitive's triangles that have an area, and the vertices they use.
-    fn add_triangles(&mut self, triangles: &Triangles, material: u32, world_from_mesh: DAffine3) -> Result<(), String> {
-        let world_from_normal = normal_matrix(world_from_mesh.matrix3);
-        let mirrored = world_from_mesh.matrix3.determinant() < 0.0;
-        // Scene vertex of each smooth vertex of the primitive that is in use.
-        let mut added: HashMap<u32, u32> = HashMap::new();
-        for &[a, b, c] in &triangles.corners {
-            let corners = if mirrored { [a, c, b] } else { [a, b, c] };
-            let mut positions = [Vec3::ZERO; 3];
-            for (vertex, position) in corners.iter().zip(&mut positions) {
-                *position = world_from_mesh.transform_point3(triangles.positions.at(*vertex)).as_vec3();
-                // Written so that NaN fails too.
-                if !(position.abs().max_element() <= MAX_COORDINATE) {
-                    return Err(format!("the position of vertex {vertex} is not finite or too large: export the file again"));
-                }
-            }
-            let Some(face_normal) = face_normal(positions) else {
-                self.notes.flat_triangles += 1;
-                continue;
-            };
-            let triangle = std::array::from_fn(|i| {
-                if let Some(&vertex) = added.get(&corners[i]) {
-                    return vertex;
-                }
-                let new = self.scene.positions.len() as u32;
-                let smooth = triangles.normals.as_ref().and_then(|normals| {
-                    unit(normals.at(corners[i])).and_then(|normal| unit(world_from_normal * normal))
-                });
-                // Without a normal of its own the corner is flat, so that faces do not share it.
-                if smooth.is_some() {
-                    added.insert(corners[i], new);
-                }
-                self.scene.positions.push(positions[i]);
-                self.scene.normals.push(smooth.unwrap_or(face_normal).as_vec3());
-                new
-            });
-            self.scene.triangles.push(triangle);
-            self.scene.triangle_materials.push(material);
-        }
-        Ok(())
-    }
-
     /// The scene with what only the whole of it tells: its lights, its warnings, a camera if it has none.
     fn finish(self) -> Result<Scene, String> {
         let Self { file, mut scene, notes, .. } = self;
@@ -265,12 +227,17 @@ impl<'a> Importer<'a> {
         }
         for name in &file.root.extensions_required {
             if !KNOWN.contains(&name.as_str()) && !notes::MATERIAL_EXTENSIONS.iter().any(|(known, _)| known == name) {
-                scene.warnings.push(format!("The file needs the glTF extension {name}, which is not supported: it may look wrong."));
+                scene.warnings.push(format!(
+                    "The file needs the glTF extension {name}, which is not supported: it may look wrong."
+                ));
             }
         }
-        if !scene.materials.iter().any(Material::emits) {
+        // Of the materials in use: one whose triangles were all dropped lights nothing.
+        if !scene.triangle_materials.iter().any(|&m| scene.materials[m as usize].emits()) {
             scene.sky = Some(Vec3::ONE);
-            scene.warnings.push("The file has no light that can be rendered: a white sky of radiance 1 is added.".into());
+            scene
+                .warnings
+                .push("The file has no light that can be rendered: a white sky of radiance 1 is added.".into());
         }
         if scene.cameras.is_empty() {
             scene.cameras.push(camera::framed(&scene));
@@ -282,28 +249,7 @@ impl<'a> Importer<'a> {
 
 /// Whether the triangles of some primitives together enclose a volume.
 fn closed<'a>(parts: impl Iterator<Item = (&'a Triangles<'a>, Option<usize>)> + Clone) -> bool {
-    closed::is_closed(parts.flat_map(|(part, _)| {
-        part.corners.iter().map(|corners| corners.map(|vertex| part.positions.at(vertex)))
-    }))
-}
-
-/// What takes normals along with `m`: its inverse transposed up to a positive factor, and no division if it is singular.
-fn normal_matrix(m: DMat3) -> DMat3 {
-    let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
-    let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis];
-    sign * DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y))
-}
-
-/// `v` at length 1; None for a vector of next to no length, or none that is finite.
-fn unit(v: DVec3) -> Option<DVec3> {
-    v.try_normalize()
-}
-
-/// Unit normal of a counter-clockwise triangle; None where f32 arithmetic could not tell it from a line or a point.
-fn face_normal([a, b, c]: [Vec3; 3]) -> Option<DVec3> {
-    let [a, b, c] = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
-    let cross = (b - a).cross(c - a);
-    let longest = (b - a).length_squared().max((c - a).length_squared()).max((c - b).length_squared());
-    let thinnest = f64::max(1e-9 * longest, 1e-18);
-    (cross.length() > thinnest).then(|| cross.normalize())
+    closed::is_closed(
+        parts.flat_map(|(part, _)| part.corners.iter().map(|corners| corners.map(|vertex| part.positions.at(vertex)))),
+    )
 }

@@ -1,0 +1,94 @@
+//! Cameras of the file, and a framed one for files that have none.
+
+use glam::{Affine3A, DAffine3, DVec3, Vec3};
+use gltf::json;
+use gltf::json::camera::Type;
+use gltf::json::validation::Checked;
+
+use crate::scene::{Camera, Scene};
+
+/// Vertical field of view of a made camera, in radians.
+const DEFAULT_FOV: f64 = 40.0 * std::f64::consts::PI / 180.0;
+/// Where a made camera stands: degrees from +z (the front of glTF's assets) towards +x, and degrees above the horizon.
+const AZIMUTH_DEG: f64 = 30.0;
+const ELEVATION_DEG: f64 = 20.0;
+/// Room around the bounding sphere, so that it does not touch the image's edge.
+const MARGIN: f64 = 1.05;
+/// A scene is flat where its smallest extent is below this share of its largest.
+const FLAT: f32 = 1e-3;
+
+/// The camera of a node; None if it is orthographic. Errors end with what is wrong and begin with nothing.
+pub fn convert(camera: &json::Camera, name: String, world_from_node: DAffine3) -> Result<Option<Camera>, String> {
+    match camera.type_ {
+        Checked::Valid(Type::Orthographic) => return Ok(None),
+        Checked::Valid(Type::Perspective) => {}
+        Checked::Invalid => return Err("its type is unknown: export the file again".into()),
+    }
+    let Some(perspective) = &camera.perspective else {
+        return Err("it has no perspective: export the file again".into());
+    };
+    let fov = perspective.yfov;
+    if !(fov > 0.0 && fov < std::f32::consts::PI) {
+        return Err(format!("its yfov is {fov}: set it between 0 and pi radians"));
+    }
+    let aspect = perspective.aspect_ratio;
+    if aspect.is_some_and(|aspect| !(aspect > 0.0 && aspect.is_finite())) {
+        return Err("its aspectRatio is not above 0: set or remove it".into());
+    }
+    let back = world_from_node.matrix3.z_axis;
+    let up = world_from_node.matrix3.y_axis;
+    let world_from_camera =
+        rigid(back, up, world_from_node.translation).ok_or("its node's scale is zero: give it a scale of 1")?;
+    Ok(Some(Camera { name, world_from_camera, vertical_fov: fov, aspect }))
+}
+
+/// A camera that sees the whole scene: from the front, a little from the side and above; a flat scene face-on.
+pub fn framed(scene: &Scene) -> Camera {
+    let low = scene.positions.iter().fold(Vec3::INFINITY, |low, p| low.min(*p));
+    let high = scene.positions.iter().fold(Vec3::NEG_INFINITY, |high, p| high.max(*p));
+    let extent = high - low;
+    let flat = extent.min_element() <= FLAT * extent.max_element();
+    let (back, up) = if flat {
+        let axis = if extent.z == extent.min_element() {
+            DVec3::Z
+        } else if extent.x == extent.min_element() {
+            DVec3::X
+        } else {
+            DVec3::Y
+        };
+        let back = if facing(scene).dot(axis) < 0.0 { -axis } else { axis };
+        // Looking down on a floor, -z is at the top, as on a map whose north is the back of the scene.
+        (back, if axis == DVec3::Y { -back.y * DVec3::Z } else { DVec3::Y })
+    } else {
+        let (azimuth, elevation) = (AZIMUTH_DEG.to_radians(), ELEVATION_DEG.to_radians());
+        let level = DVec3::new(azimuth.sin(), 0.0, azimuth.cos());
+        (elevation.cos() * level + elevation.sin() * DVec3::Y, DVec3::Y)
+    };
+    let (centre, radius) = (0.5 * (low.as_dvec3() + high.as_dvec3()), 0.5 * extent.as_dvec3().length());
+    let distance = MARGIN * radius / (0.5 * DEFAULT_FOV).sin();
+    Camera {
+        name: "default".into(),
+        // The directions above are never parallel.
+        world_from_camera: rigid(back, up, centre + distance * back).unwrap_or(Affine3A::IDENTITY),
+        vertical_fov: DEFAULT_FOV as f32,
+        aspect: None,
+    }
+}
+
+/// Sum of all triangles' normals, weighted by area: the side that a flat scene shows.
+fn facing(scene: &Scene) -> DVec3 {
+    let corner = |vertex: u32| scene.positions[vertex as usize].as_dvec3();
+    let normal = |[a, b, c]: [u32; 3]| (corner(b) - corner(a)).cross(corner(c) - corner(a));
+    scene.triangles.iter().map(|&triangle| normal(triangle)).sum()
+}
+
+/// The frame that looks along `-back` with `up` in its vertical plane; None where these do not span a plane.
+/// Made from two axes, it is right-handed even where a parent mirrors.
+fn rigid(back: DVec3, up: DVec3, eye: DVec3) -> Option<Affine3A> {
+    let z = back.try_normalize()?;
+    let y = up.try_normalize()?.reject_from_normalized(z);
+    // Axes this close to parallel are a scale of zero that rounding hides.
+    let y = (y.length() > 1e-6).then(|| y.normalize())?;
+    let frame = Affine3A::from_cols(y.cross(z).as_vec3a(), y.as_vec3a(), z.as_vec3a(), eye.as_vec3a());
+    frame.is_finite().then_some(frame)
+}

@@ -1,0 +1,127 @@
+//! Triangles of a mesh primitive, in the mesh's own space.
+
+use glam::DVec3;
+use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::mesh::{Mode, Primitive, Semantic};
+use gltf::json::validation::Checked;
+use gltf::json::{Index, accessor};
+
+use super::accessor::{Accessor, VECTOR_COMPONENTS};
+use super::file::File;
+
+const INDEX_COMPONENTS: [ComponentType; 3] = [ComponentType::U8, ComponentType::U16, ComponentType::U32];
+
+/// The triangles of one primitive, counter-clockwise in mesh space, and the vertex data they index.
+pub struct Triangles<'a> {
+    pub corners: Vec<[u32; 3]>,
+    pub positions: Attribute<'a>,
+    pub normals: Option<Attribute<'a>>,
+}
+
+/// A vector per vertex, with the morph targets' default weights applied.
+pub struct Attribute<'a> {
+    base: Accessor<'a>,
+    targets: Vec<(f64, Accessor<'a>)>,
+}
+
+impl<'a> Attribute<'a> {
+    fn new(
+        file: &'a File,
+        base: Index<accessor::Accessor>,
+        targets: impl Iterator<Item = (f32, Option<Index<accessor::Accessor>>)>,
+    ) -> Result<Self, String> {
+        let accessor = |index: Index<_>| Accessor::new(file, index.value(), Type::Vec3, &VECTOR_COMPONENTS);
+        let base = accessor(base)?;
+        let targets = targets
+            .filter(|(weight, _)| *weight != 0.0)
+            .filter_map(|(weight, index)| Some((f64::from(weight), index?)))
+            .map(|(weight, index)| {
+                let target = accessor(index)?;
+                same_count(&target, &base)?;
+                Ok((weight, target))
+            })
+            .collect::<Result<_, String>>()?;
+        Ok(Self { base, targets })
+    }
+
+    /// The vector of a vertex that some triangle names.
+    pub fn at(&self, vertex: u32) -> DVec3 {
+        let vertex = u64::from(vertex);
+        let mut v = DVec3::from_array(self.base.vector(vertex));
+        for (weight, target) in &self.targets {
+            v += *weight * DVec3::from_array(target.vector(vertex));
+        }
+        v
+    }
+}
+
+/// Reads a primitive; None if it consists of points or lines. At most `room` triangles are taken.
+/// `weights` are those of the morph targets, missing ones being zero.
+pub fn triangles<'a>(
+    file: &'a File,
+    primitive: &Primitive,
+    weights: &[f32],
+    room: u64,
+) -> Result<Option<Triangles<'a>>, String> {
+    let Checked::Valid(mode) = primitive.mode else {
+        return Err("its mode is unknown: export the file again".into());
+    };
+    if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+        return Ok(None);
+    }
+    let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
+    let Some(positions) = attribute(Semantic::Positions) else {
+        return Err("it has no POSITION: export the file again".into());
+    };
+    let targets = || (primitive.targets.iter().flatten()).zip(weights.iter().copied());
+    let positions = Attribute::new(file, positions, targets().map(|(target, w)| (w, target.positions)))?;
+    let normals = match attribute(Semantic::Normals) {
+        Some(normals) => {
+            let normals = Attribute::new(file, normals, targets().map(|(target, w)| (w, target.normals)))?;
+            same_count(&normals.base, &positions.base)?;
+            Some(normals)
+        }
+        None => None,
+    };
+    let indices = match primitive.indices {
+        Some(index) => Some(Accessor::new(file, index.value(), Type::Scalar, &INDEX_COMPONENTS)?),
+        None => None,
+    };
+    let vertices = positions.base.count;
+    let length = indices.as_ref().map_or(vertices, |indices| indices.count);
+    let count = match mode {
+        Mode::Triangles => length / 3,
+        _ => length.saturating_sub(2),
+    };
+    if count > room {
+        let most = super::MAX_TRIANGLES;
+        return Err(format!("the scene has more than the {most} triangles that can be rendered: simplify it"));
+    }
+    let vertex = |at: u64| -> Result<u32, String> {
+        let index = indices.as_ref().map_or(at, |indices| indices.integer(at));
+        if index >= vertices {
+            return Err(format!("it names vertex {index} of {vertices}: export the file again"));
+        }
+        u32::try_from(index).map_err(|_| format!("it has {vertices} vertices, more than can be rendered: simplify it"))
+    };
+    let mut corners = Vec::with_capacity(count as usize);
+    for i in 0..count {
+        // glTF 2.0, section 3.7.2.1: which vertices make triangle i.
+        let [a, b, c] = match mode {
+            Mode::TriangleStrip => [i, i + 1 + i % 2, i + 2 - i % 2],
+            Mode::TriangleFan => [i + 1, i + 2, 0],
+            _ => [3 * i, 3 * i + 1, 3 * i + 2],
+        };
+        corners.push([vertex(a)?, vertex(b)?, vertex(c)?]);
+    }
+    Ok(Some(Triangles { corners, positions, normals }))
+}
+
+/// All data of one primitive must cover the same vertices.
+fn same_count(data: &Accessor, positions: &Accessor) -> Result<(), String> {
+    if data.count == positions.count {
+        return Ok(());
+    }
+    let (path, n, vertices) = (&data.path, data.count, positions.count);
+    Err(format!("{path} has {n} elements for {vertices} vertices: export the file again"))
+}

@@ -1,0 +1,122 @@
+//! What the import leaves out, collected while it runs and said once per feature.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Something in a file that is not rendered as the file asks. The order is the order of the warnings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Feature {
+    /// Materials with any texture.
+    Texture,
+    /// Materials with an emissive texture; said together with [`Feature::Texture`].
+    EmissiveTexture,
+    /// Materials.
+    TextureTransform,
+    /// Materials.
+    Alpha,
+    /// Materials.
+    Unlit,
+    /// Materials.
+    RoughTransmission,
+    /// Materials.
+    Attenuation,
+    /// Materials with an extension of this name.
+    MaterialExtension(&'static str),
+    /// Meshes.
+    VertexColor,
+    /// Meshes.
+    PointsOrLines,
+    /// Cameras.
+    Orthographic,
+    /// Nodes.
+    PunctualLight,
+}
+
+/// Extensions that add something to a material that the renderer does not have yet, and what they add.
+pub const MATERIAL_EXTENSIONS: [(&str, &str); 8] = [
+    ("KHR_materials_anisotropy", "Anisotropy"),
+    ("KHR_materials_clearcoat", "Clearcoat"),
+    ("KHR_materials_diffuse_transmission", "Diffuse transmission"),
+    ("KHR_materials_dispersion", "Dispersion"),
+    ("KHR_materials_iridescence", "Iridescence"),
+    ("KHR_materials_pbrSpecularGlossiness", "Specular-glossiness"),
+    ("KHR_materials_sheen", "Sheen"),
+    ("KHR_materials_subsurface", "Subsurface scattering"),
+];
+
+/// Which elements each feature concerns.
+#[derive(Default)]
+pub struct Notes {
+    seen: BTreeMap<Feature, BTreeSet<usize>>,
+    /// Triangles dropped because they have no area.
+    pub flat_triangles: u64,
+}
+
+impl Notes {
+    /// Notes that element `index` (of the kind the feature counts) has the feature.
+    pub fn add(&mut self, feature: Feature, index: usize) {
+        self.seen.entry(feature).or_default().insert(index);
+    }
+
+    /// One sentence per feature.
+    pub fn sentences(&self) -> Vec<String> {
+        let of = |feature| self.seen.get(&feature).map_or(0, BTreeSet::len);
+        let mut sentences = Vec::new();
+        for (&feature, elements) in &self.seen {
+            let n = elements.len();
+            let materials = counted(n as u64, "material");
+            let meshes = counted(n as u64, "mesh");
+            let sentence = match feature {
+                Feature::Texture => match of(Feature::EmissiveTexture) {
+                    0 => format!("Textures are not supported yet: {materials} rendered with plain factors."),
+                    e => format!(
+                        "Textures are not supported yet: {materials} rendered with plain factors, {e} of them with an \
+                         emissive texture and so without emission."
+                    ),
+                },
+                Feature::EmissiveTexture => continue,
+                Feature::TextureTransform => {
+                    format!("KHR_texture_transform is not supported yet: ignored in {materials}.")
+                }
+                Feature::Alpha => {
+                    format!("Alpha masks and blending are not supported yet: {materials} rendered opaque.")
+                }
+                Feature::Unlit => {
+                    format!("Unlit materials are not supported: {materials} rendered as matt ones.")
+                }
+                Feature::RoughTransmission => {
+                    format!("Rough transmission is not supported yet: {materials} rendered as smooth glass.")
+                }
+                Feature::Attenuation => {
+                    format!("Attenuation inside volumes is not supported yet: {materials} rendered clear.")
+                }
+                Feature::MaterialExtension(name) => {
+                    let what = MATERIAL_EXTENSIONS.iter().find(|(key, _)| *key == name).map_or(name, |(_, what)| what);
+                    format!("{what} ({name}) is not supported yet: left out of {materials}.")
+                }
+                Feature::VertexColor => {
+                    format!("Vertex colours are not supported yet: left out of {meshes}.")
+                }
+                Feature::PointsOrLines => {
+                    format!("Points and lines are not rendered: left out of {meshes}.")
+                }
+                Feature::Orthographic => {
+                    format!("Orthographic cameras are not supported: {} left out.", counted(n as u64, "camera"))
+                }
+                Feature::PunctualLight => {
+                    format!("Punctual lights are not supported yet: {} left out.", counted(n as u64, "light"))
+                }
+            };
+            sentences.push(sentence);
+        }
+        if self.flat_triangles > 0 {
+            sentences.push(format!("{} without area left out.", counted(self.flat_triangles, "triangle")));
+        }
+        sentences
+    }
+}
+
+/// "1 mesh", "2 meshes".
+fn counted(n: u64, noun: &str) -> String {
+    let plural = if noun.ends_with('h') { "es" } else { "s" };
+    format!("{n} {noun}{}", if n == 1 { "" } else { plural })
+}
