@@ -17,11 +17,21 @@ pub struct Verdict {
     pub chi2: f64,
 }
 
-/// Largest |z| over tiles x lengths, from at least `chains` chains.
+/// Rings of pixels around the film's border, where a wrong rule for proposals off the film shows first.
+const RINGS: [f32; 4] = [1.0, 2.0, 4.0, 8.0];
+
+/// Which ring a pixel position lies in; `RINGS.len()` inside all of them.
+fn ring(p: [f32; 2]) -> usize {
+    let distance = p[0].min(p[1]).min(FILM[0] as f32 - p[0]).min(FILM[1] as f32 - p[1]);
+    RINGS.iter().position(|r| distance < *r).unwrap_or(RINGS.len())
+}
+
+/// Largest |z| over tiles x lengths and over rings, from at least `chains` chains.
 pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps: u32, chains: usize) -> Verdict {
     let columns = FILM[0] / TILE;
     let tiles = (columns * (FILM[1] / TILE)) as usize;
-    let bins = tiles * MAX_EDGES as usize;
+    let rings = tiles * MAX_EDGES as usize;
+    let bins = rings + RINGS.len() + 1;
     let tile = |p: [f32; 2]| {
         let x = (p[0] as u32).min(FILM[0] - 1) / TILE;
         let y = (p[1] as u32).min(FILM[1] - 1) / TILE;
@@ -48,10 +58,13 @@ pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps
             let after = bench.pixels(count);
             for (i, &candidate) in chunk.iter().enumerate() {
                 let w = candidates[candidate as usize].weight();
-                let (from, to) = (tile(before[i]), tile(after[i]));
-                if from != to {
-                    let length = (keys[i].edges() as usize - 1) * tiles;
-                    for (bin, sign) in [(length + from, -1.0), (length + to, 1.0)] {
+                let length = (keys[i].edges() as usize - 1) * tiles;
+                let places = [
+                    (length + tile(before[i]), length + tile(after[i])),
+                    (rings + ring(before[i]), rings + ring(after[i])),
+                ];
+                for (from, to) in places.into_iter().filter(|(from, to)| from != to) {
+                    for (bin, sign) in [(from, -1.0), (to, 1.0)] {
                         sum[bin] += sign * w;
                         squares[bin] += w * w;
                         touched[bin] += 1;
