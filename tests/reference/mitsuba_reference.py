@@ -33,6 +33,8 @@ import time
 
 import numpy as np
 
+from exr_writer import write_exr
+
 DELTA_ALPHA = 1e-3
 COMPONENTS = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
@@ -235,7 +237,7 @@ def render(mi, scene, spp, seconds, batches, seed):
         batches = max(batches, -(-spp // room))
         per_batch = max(1, -(-spp // batches))
     else:
-        per_batch = max(1, min(room, spp)) if spp else max(1, room // 16)
+        per_batch = max(1, min(room, spp)) if spp else max(1, room // 4)
     image = lambda i: np.array(mi.render(scene, spp=per_batch, seed=seed * 1_000_003 + i), np.float64)  # noqa: E731
     image(2**20)  # Compiles; its samples are thrown away.
     started, done = time.perf_counter(), 0
@@ -313,14 +315,11 @@ def main():
     spp = options.spp if options.spp or options.time else 1024
     mean, variance, batches, per_batch, elapsed = render(
         mi, scene, spp, options.time, max(2, options.batches), options.seed)
-    layers = np.concatenate([mean, variance], axis=2).astype(np.float32)
-    names = ["R", "G", "B", "Variance.R", "Variance.G", "Variance.B"]
-    bitmap = mi.Bitmap(layers, mi.Bitmap.PixelFormat.MultiChannel, names)
     facts = {"spp": batches * per_batch, "batches": batches, "maxDepth": options.max_depth, "seed": options.seed,
              "seconds": round(elapsed, 1), "renderer": f"Mitsuba {mi.__version__} {mi.variant()}, path"}
-    for key, value in facts.items():
-        bitmap.metadata()[key] = str(value)
-    bitmap.write(options.output)
+    layers = {name: mean[..., i] for i, name in enumerate("RGB")}
+    layers.update({f"Variance.{name}": variance[..., i] for i, name in enumerate("RGB")})
+    write_exr(options.output, layers, facts)
     errors = tile_error(mean, variance)
     facts["mean"] = round(float((mean @ [0.2126, 0.7152, 0.0722]).mean()), 5)
     facts["tile error % (median, 90 %, largest)"] = [
