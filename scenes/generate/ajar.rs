@@ -1,28 +1,31 @@
 //! A still life in a room without a lamp, after Veach's "door ajar" in spirit (Veach and Guibas 1997):
 //! all light comes from the walls of the next room through the gap of a door.
-//! The lamp is on the partition's far side and faces away, so that no point of this room can see it.
+//! The lamp there is a bowl that shines up from above the door's height: whoever looks through the gap
+//! looks up at its black underside. So light takes the way lamp, ceiling next door, gap, table, camera.
 
 use crate::crockery;
 use crate::furniture::{bookcase, door, picture, picture_frame, table};
 use crate::glb::{Document, Material};
 use crate::mesh::Mesh;
 use crate::random::Random;
-use crate::shapes::{cuboid, icosphere, quad, rounded_box};
+use crate::shapes::{cuboid, icosphere, rod, rounded_box};
 use glam::{Quat, Vec3};
 
 // This room: x from LEFT to RIGHT, z from BACK to FRONT; the next room lies behind BACK - WALL.
 const LEFT: f32 = -2.0;
 const RIGHT: f32 = 1.9;
 const BACK: f32 = -2.2;
-const FRONT: f32 = 2.2;
+const FRONT: f32 = 2.1;
 const CEILING: f32 = 2.5;
+// The next room is higher, so that its lamp can hang above the door and still be far from its ceiling.
+const FAR_CEILING: f32 = 3.2;
 const WALL: f32 = 0.15;
 const FAR: f32 = -5.4;
 // The clear opening of the doorway.
 const DOOR_LEFT: f32 = -1.45;
 const DOOR_RIGHT: f32 = -0.60;
 const DOOR_TOP: f32 = 2.0;
-const DOOR_DEG: f32 = 17.0;
+const DOOR_DEG: f32 = 24.0;
 const TABLE_TOP: f32 = 0.74;
 
 pub fn build() -> Document {
@@ -31,7 +34,7 @@ pub fn build() -> Document {
     doorway(&mut scene);
     furnish(&mut scene);
     lay_table(&mut scene);
-    scene.camera("main", Vec3::new(0.42, 1.42, 1.95), Vec3::new(0.02, 0.93, -0.9), 40.0);
+    scene.camera("main", Vec3::new(0.40, 1.40, 1.78), Vec3::new(0.03, 0.92, -0.9), 40.0);
     scene
 }
 
@@ -42,13 +45,12 @@ fn block(x: [f32; 2], y: [f32; 2], z: [f32; 2]) -> Mesh {
 
 /// Floor, ceiling and walls as solid overlapping blocks, so that no ray slips out or through.
 fn rooms(scene: &mut Document) {
-    let plaster = scene.material(Material::lambert("plaster", [0.74, 0.64, 0.50]));
+    let plaster = scene.material(Material::lambert("plaster", [0.80, 0.71, 0.57]));
     let ceiling = scene.material(Material::lambert("ceiling", [0.80, 0.77, 0.71]));
-    let next = scene.material(Material::lambert("next room", [0.82, 0.76, 0.66]));
+    let next = scene.material(Material::lambert("next room", [0.84, 0.79, 0.70]));
     let white = scene.material(Material::lambert("skirting", [0.76, 0.72, 0.64]));
-    let planks = [[0.36, 0.21, 0.11], [0.42, 0.25, 0.13], [0.31, 0.18, 0.095]]
+    let planks = [[0.46, 0.29, 0.16], [0.52, 0.33, 0.19], [0.41, 0.25, 0.14]]
         .map(|rgb| scene.material(Material::lambert("plank", rgb)));
-    let lamp = scene.material(Material::lamp("lamp", [1.0, 0.83, 0.60], 100.0));
 
     let (out_left, out_right) = (LEFT - WALL, RIGHT + WALL);
     let tall = [-0.1, CEILING + 0.1];
@@ -63,17 +65,22 @@ fn rooms(scene: &mut Document) {
     ]);
     scene.object("walls", &walls, plaster);
     let (far_left, far_right) = (-3.2, 1.2);
+    let tall = [-0.1, FAR_CEILING + 0.1];
     let beyond = Mesh::joined(&[
         block([far_left - WALL, DOOR_LEFT - 0.03], tall, [partition_back, BACK - 0.07]),
         block([DOOR_RIGHT + 0.03, out_right], tall, [partition_back, BACK - 0.07]),
-        block([DOOR_LEFT - 0.03, DOOR_RIGHT + 0.03], [DOOR_TOP + 0.03, CEILING + 0.1], [partition_back, BACK - 0.07]),
+        block([DOOR_LEFT - 0.03, DOOR_RIGHT + 0.03], [DOOR_TOP + 0.03, tall[1]], [partition_back, BACK - 0.07]),
         block([far_left - WALL, far_left], tall, [FAR - WALL, partition_back + 0.01]),
         block([far_right, far_right + WALL], tall, [FAR - WALL, partition_back + 0.01]),
         block([far_left - 0.05, far_right + 0.05], tall, [FAR - WALL, FAR]),
     ]);
     scene.object("walls of the next room", &beyond, next);
     let (wide, deep) = ([far_left - WALL, out_right], [FAR - WALL, FRONT + WALL]);
-    scene.object("ceiling", &block(wide, [CEILING, CEILING + 0.1], deep), ceiling);
+    let lids = Mesh::joined(&[
+        block([out_left, out_right], [CEILING, CEILING + 0.1], [BACK - 0.06, FRONT + WALL]),
+        block(wide, [FAR_CEILING, FAR_CEILING + 0.1], [FAR - WALL, partition_back + 0.05]),
+    ]);
+    scene.object("ceilings", &lids, ceiling);
 
     // Planks run along x in three browns over a slab, which keeps the floor closed.
     let mut floor = [block(wide, [-0.1, -0.004], deep), Mesh::default(), Mesh::default()];
@@ -101,15 +108,32 @@ fn rooms(scene: &mut Document) {
         block([DOOR_RIGHT + 0.08, RIGHT], skirt, [BACK - 0.01, BACK + out]),
     ]);
     scene.object("skirting", &skirting, white);
-    let corner = Vec3::new(0.15, 1.35, partition_back - 0.01);
-    let panel = quad(corner, Vec3::Y * 0.7, Vec3::X * 0.7);
-    scene.object("lamp", &panel, lamp);
+    uplighter(scene);
+}
+
+/// The only light: a disc that faces up, sunk in a black bowl just above the height of the door.
+fn uplighter(scene: &mut Document) {
+    let lamp = scene.material(Material::lamp("lamp", [1.0, 0.80, 0.55], 3500.0));
+    let bowl = scene.material(Material::lambert("bowl", [0.05, 0.045, 0.04]));
+    let (x, y, z) = (-1.45, DOOR_TOP + 0.12, -4.2);
+    let rim: Vec<Vec3> = (0..24)
+        .map(|i| {
+            let (sin, cos) = (i as f32 / 24.0 * std::f32::consts::TAU).sin_cos();
+            Vec3::new(x + 0.20 * cos, y, z - 0.20 * sin)
+        })
+        .collect();
+    let mut disc = Mesh::default();
+    disc.polygon(&rim);
+    scene.object("lamp", &disc, lamp);
+    let shell = rod(&[[x, y - 0.09, z, 0.05], [x, y - 0.05, z, 0.17], [x, y - 0.003, z, 0.21]], 24);
+    let stem = rod(&[[x, y - 0.003, z, 0.012], [x, FAR_CEILING + 0.02, z, 0.012]], 12);
+    scene.object("bowl", &Mesh::joined(&[shell, stem]), bowl);
 }
 
 /// The frame, the door ajar in it, and its handles.
 fn doorway(scene: &mut Document) {
     let white = scene.material(Material::lambert("door frame", [0.78, 0.74, 0.66]));
-    let paint = scene.material(Material::lambert("door paint", [0.30, 0.44, 0.42]));
+    let paint = scene.material(Material::lambert("door paint", [0.27, 0.42, 0.44]));
     let brass = scene.material(Material::metal("brass", [0.90, 0.72, 0.40], 0.35));
     let reveal = [BACK - WALL - 0.02, BACK + 0.005];
     let front = [BACK - 0.005, BACK + 0.02];
@@ -165,24 +189,24 @@ fn furnish(scene: &mut Document) {
 fn lay_table(scene: &mut Document) {
     let glass = scene.material(Material::glass("glass", [1.0; 3], 1.5));
     let copper = scene.material(Material::metal("copper", [0.93, 0.58, 0.42], 0.3));
-    let clay = scene.material(Material::lambert("celadon", [0.34, 0.50, 0.44]));
+    let clay = scene.material(Material::lambert("glaze", [0.80, 0.73, 0.60]));
     let orange = scene.material(Material::lambert("orange", [0.85, 0.36, 0.05]));
     let board = scene.material(Material::lambert("board", [0.62, 0.44, 0.26]));
     let top = TABLE_TOP + 0.0005;
 
-    let big = 1.35;
-    let place = |mesh: Mesh| mesh.scaled(big).turned(-24.0).at(-0.02, top, -0.22);
+    let big = 1.5;
+    let place = |mesh: Mesh| mesh.scaled(big).turned(-24.0).at(0.0, top, -0.22);
     scene.object("teapot", &place(crockery::teapot(0.0042)).closed(), glass);
     scene.object("teapot's hollow", &place(crockery::teapot_hollow()).closed(), glass);
     let jug = crockery::jug().scaled(1.2).turned(-150.0).at(0.45, top, -0.46);
     scene.object("jug", &jug, copper);
-    let pot = crockery::pot().scaled(1.15).at(-0.36, top, -0.55);
+    let pot = crockery::pot().scaled(1.25).at(-0.40, top, -0.46);
     scene.object("pot", &pot, clay);
     let plate = rounded_box(Vec3::new(0.17, 0.009, 0.11), 0.005, 3).turned(14.0);
     scene.object("board", &plate.at(0.60, top + 0.009, -0.14), board);
     let fruit = |x: f32, z: f32| icosphere(3).scaled(0.042).at(x, top + 0.018 + 0.042, z);
     let fruits = Mesh::joined(&[fruit(0.535, -0.13), fruit(0.632, -0.17), fruit(0.605, -0.083)]);
     scene.object("oranges", &fruits, orange);
-    let tumbler = crockery::tumbler().scaled(1.15).at(0.30, top, -0.05);
+    let tumbler = crockery::tumbler().scaled(1.15).at(0.33, top, -0.04);
     scene.object("tumbler", &tumbler.closed(), glass);
 }

@@ -17,7 +17,7 @@ pub fn build() -> Document {
     let green = scene.material(Material::lambert("green", [0.14, 0.45, 0.091]));
     let metal = scene.material(Material::metal("brushed gold", [0.95, 0.72, 0.42], 0.4));
     let glass = scene.material(Material::glass("glass", [1.0; 3], 1.5));
-    let lamp = scene.material(Material::lamp("lamp", [1.0, 0.86, 0.68], 9.0));
+    let lamp = scene.material(Material::lamp("lamp", [1.0, 0.86, 0.68], 12.0));
 
     let (w, h, d) = (HALF_WIDTH, HEIGHT, HALF_DEPTH);
     let (across, up, deep) = (Vec3::X * 2.0 * w, Vec3::Y * h, Vec3::Z * 2.0 * d);
@@ -34,7 +34,7 @@ pub fn build() -> Document {
     let panel = quad(Vec3::new(-lw, h - 0.005, -ld), Vec3::X * 2.0 * lw, Vec3::Z * 2.0 * ld);
     scene.object("lamp", &panel, lamp);
 
-    let block = rounded_box(Vec3::new(0.29, 0.6, 0.29), 0.02, 3).turned(22.0);
+    let block = rounded_box(Vec3::new(0.29, 0.6, 0.29), 0.02, 3).turned(40.0);
     scene.object("tall block", &block.at(-0.52, 0.6, -0.36), metal);
     let plinth = rounded_box(Vec3::new(0.34, 0.16, 0.34), 0.015, 3).turned(-17.0);
     scene.object("plinth", &plinth.at(0.52, 0.16, 0.12), white);

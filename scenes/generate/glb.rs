@@ -151,6 +151,10 @@ impl Document {
         }));
     }
 
+    pub fn objects(&self) -> usize {
+        self.meshes.len()
+    }
+
     pub fn triangles(&self) -> usize {
         self.triangles
     }
