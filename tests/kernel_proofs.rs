@@ -25,7 +25,8 @@ fn asymmetric_share(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], 
         };
         bench.passes(kernel, &with("probe"), uniform, pass..pass + 1);
         let forward = bench.lens_records(paths.len() as u32);
-        // The way back reads where it came from in the records of the way there.
+        // The way back reads where it came from in the records of the way there; its guides are looked up afresh.
+        let (uniform, paths) = bench.list(HALF, guides);
         bench.passes(kernel, &with("probe_back"), uniform, pass..pass + 1);
         let backward = bench.lens_records(paths.len() as u32);
         for (f, b) in forward.iter().zip(&backward).filter(|(f, _)| f.possible) {

@@ -113,7 +113,7 @@ fn rooms(scene: &mut Document) {
 
 /// The only light: a disc that faces up, sunk in a black bowl just above the height of the door.
 fn uplighter(scene: &mut Document) {
-    let lamp = scene.material(Material::lamp("lamp", [1.0, 0.80, 0.55], 3500.0));
+    let lamp = scene.material(Material::lamp("lamp", [1.0, 0.80, 0.55], 14000.0));
     let bowl = scene.material(Material::lambert("bowl", [0.05, 0.045, 0.04]));
     let (x, y, z) = (-1.45, DOOR_TOP + 0.12, -4.2);
     let rim: Vec<Vec3> = (0..24)

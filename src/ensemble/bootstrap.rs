@@ -137,7 +137,7 @@ impl Start<'_> {
             let uniform =
                 PassUniform { entries, pass_index, seed: self.seed, stride: self.paths, ..Default::default() };
             run.submit(&[Dispatch { variant: variant.clone(), uniform }])?;
-            let bytes = run.read(Buffer::Output, &[0..16 * u64::from(entries)])?;
+            let bytes = run.read(Buffer::Output, 0..16 * u64::from(entries))?;
             candidates.extend_from_slice(bytemuck::cast_slice(&bytes));
             self.observer.progress(f64::from(first + entries) / f64::from(count));
         }

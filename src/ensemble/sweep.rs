@@ -61,7 +61,7 @@ impl Build {
     /// The pipeline of a pass that may splat directions.
     pub fn variant(&self, pass: &'static str, flags: &[&'static str]) -> Variant {
         let mut flags = flags.to_vec();
-        if self.maps && pass != "weigh" {
+        if self.maps && !["weigh", "gather"].contains(&pass) {
             flags.push("maps");
         }
         Variant { pass, features: self.features, max_edges: self.max_edges, flags }
@@ -72,6 +72,9 @@ impl Build {
         let mut variants: Vec<Variant> = mix.kernels().iter().map(|k| self.variant(k.pass, k.flags)).collect();
         variants.push(self.variant("weigh", &[]));
         variants.push(self.variant("rest", &[]));
+        if mix.guided() {
+            variants.push(self.variant("gather", &[]));
+        }
         variants
     }
 
@@ -112,10 +115,10 @@ pub struct Ensemble {
     proposals: Mean,
 }
 
-/// Words of the lists that a run over `paths` paths needs: two dispatch lists, nodes, order.
+/// Words of the lists that a run over `paths` paths needs: dispatch lists and nodes, or a batch of candidates.
 pub fn list_words(paths: u32, bootstrap_batch: u32) -> u64 {
     let half = u64::from(paths) / 2;
-    (half * (2 + 2 + 2 + 2 + 1) + 64).max(3 * u64::from(bootstrap_batch.max(paths)))
+    (half * 4).max(3 * u64::from(bootstrap_batch.max(paths)))
 }
 
 impl Ensemble {
@@ -208,13 +211,11 @@ impl Ensemble {
         words.extend(list.idle.iter().flat_map(|&path| [path, 0]));
         let nodes_offset = words.len() as u32;
         words.extend(list.nodes.iter().flatten());
-        let order_offset = words.len() as u32;
-        words.extend(&guides.pool.order);
         run.set_lists(&words);
 
         let base = PassUniform {
             nodes_offset,
-            order_offset,
+            guides_first: self.first_path(1 - half),
             similarity_median: guides.similarity_median,
             similarity_scale: 1.0 / (SIMILARITY_RADIUS * SIMILARITY_RADIUS),
             ..self.build.uniform()
@@ -257,17 +258,22 @@ impl Ensemble {
         if !self.mix.guided() {
             return Ok(());
         }
+        let first = self.first_path(half);
         let pool = &self.halves[half].pool;
+        let words: Vec<u32> = pool.order.iter().flat_map(|&path| [path, 0]).collect();
+        run.set_lists(&words);
+        let uniform = PassUniform { entries: self.half_paths(), guides_first: first, ..self.build.uniform() };
+        run.submit(&[Dispatch { variant: self.build.variant("gather", &[]), uniform }])?;
         let longest = pool.lengths.last().map_or(0, |node| node.edges as usize);
-        let (stride, first) = (u64::from(self.build.paths), u64::from(self.first_path(half)));
-        let count = u64::from(self.half_paths());
+        let (stride, count) = (u64::from(self.build.paths), u64::from(self.half_paths()));
         let ranges: Vec<_> = (0..longest)
             .map(|i| {
-                let start = 16 * ((ROW_VERTICES + 2 * i + 1) as u64 * stride + first);
+                let row = ROW_VERTICES + 2 * i + 1;
+                let start = 16 * (row as u64 * stride + u64::from(first));
                 start..start + 16 * count
             })
             .collect();
-        let bytes = run.read(Buffer::Chains, &ranges)?;
+        let bytes = run.read_ranges(Buffer::Chains, &ranges)?;
         let positions =
             Positions { rows: bytemuck::cast_slice(&bytes), stride: count as usize, first_path: self.first_path(half) };
         // A pool in which no path has company guides nobody: any median will do.
@@ -278,7 +284,7 @@ impl Ensemble {
 
     fn read_key_rows(&self, run: &mut Run, half: usize) -> Result<Vec<[u32; 4]>> {
         let start = 16 * (ROW_KEY as u64 * u64::from(self.build.paths) + u64::from(self.first_path(half)));
-        let bytes = run.read(Buffer::Chains, &[start..start + 16 * u64::from(self.half_paths())])?;
+        let bytes = run.read(Buffer::Chains, start..start + 16 * u64::from(self.half_paths()))?;
         Ok(bytemuck::cast_slice(&bytes).to_vec())
     }
 
@@ -294,7 +300,7 @@ impl Ensemble {
 
     fn tally(&mut self, run: &mut Run) -> Result<()> {
         let size = 4 * (self.tallies.len() * COUNTER_WORDS) as u64;
-        let bytes = run.read(Buffer::Counters, &[0..size])?;
+        let bytes = run.read(Buffer::Counters, 0..size)?;
         run.clear(Buffer::Counters);
         let words: &[u32] = bytemuck::cast_slice(&bytes);
         for (tally, words) in self.tallies.iter_mut().zip(words.chunks_exact(COUNTER_WORDS)) {

@@ -32,7 +32,7 @@ pub struct PassUniform {
     pub entries: u32,
     pub entries_offset: u32,
     pub nodes_offset: u32,
-    pub order_offset: u32,
+    pub guides_first: u32,
     pub similarity_median: f32,
     pub similarity_scale: f32,
     pub weight: f32,
@@ -50,9 +50,14 @@ pub const ROW_VERTICES: usize = 4;
 pub const ROW_KEY: usize = 3;
 pub const ROW_PIXEL: usize = 0;
 
+/// First of the rows in the order of a pool (`ROW_GUIDE`): pixel, then positions from the light.
+pub fn row_guide(max_edges: u32) -> usize {
+    ROW_VERTICES + 2 * max_edges as usize
+}
+
 /// Rows of vec4 that a chain with up to `max_edges` edges needs.
 pub fn chain_rows(max_edges: u32) -> usize {
-    ROW_VERTICES + 2 * max_edges as usize
+    row_guide(max_edges) + 1 + max_edges as usize
 }
 
 /// Words of one kernel's counters, and which word counts what (`COUNTER_*`).
@@ -137,7 +142,7 @@ mod tests {
             entries,
             entries_offset,
             nodes_offset,
-            order_offset,
+            guides_first,
             similarity_median,
             similarity_scale,
             weight,

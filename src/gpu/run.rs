@@ -211,11 +211,15 @@ impl<'a> Run<'a> {
                 pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
             }
         }
+        self.hand_over(encoder);
+        Ok(())
+    }
+
+    fn hand_over(&mut self, encoder: wgpu::CommandEncoder) {
         let commands = encoder.finish();
         let start = Instant::now();
         self.context.queue.submit([commands]);
         self.device_time += start.elapsed();
-        Ok(())
     }
 
     /// Waits until all submitted work is done.
@@ -227,10 +231,10 @@ impl<'a> Run<'a> {
     }
 
     /// Zeroes a buffer.
-    pub fn clear(&self, buffer: Buffer) {
+    pub fn clear(&mut self, buffer: Buffer) {
         let mut encoder = self.context.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(self.buffer(buffer), 0, None);
-        self.context.queue.submit([encoder.finish()]);
+        self.hand_over(encoder);
     }
 
     fn buffer(&self, buffer: Buffer) -> &wgpu::Buffer {
@@ -241,8 +245,13 @@ impl<'a> Run<'a> {
         }
     }
 
+    /// Waits for all work, then copies a byte range of a buffer.
+    pub fn read(&mut self, buffer: Buffer, range: Range<u64>) -> Result<Vec<u8>> {
+        self.read_ranges(buffer, std::slice::from_ref(&range))
+    }
+
     /// Waits for all work, then copies byte ranges of a buffer, one after another.
-    pub fn read(&mut self, buffer: Buffer, ranges: &[Range<u64>]) -> Result<Vec<u8>> {
+    pub fn read_ranges(&mut self, buffer: Buffer, ranges: &[Range<u64>]) -> Result<Vec<u8>> {
         let total: u64 = ranges.iter().map(|r| r.end - r.start).sum();
         let device = &self.context.device;
         if self.staging.as_ref().is_none_or(|s| s.size() < total) {
@@ -261,7 +270,7 @@ impl<'a> Run<'a> {
             encoder.copy_buffer_to_buffer(self.buffer(buffer), range.start, &staging, at, size);
             at += size;
         }
-        self.context.queue.submit([encoder.finish()]);
+        self.hand_over(encoder);
         let slice = staging.slice(..total);
         slice.map_async(wgpu::MapMode::Read, |_| ());
         self.wait()?;

@@ -88,8 +88,9 @@ mod tests {
     /// Every combination of features and every flag set that the renderer or its tests use.
     #[test]
     fn every_shader_of_every_feature_set_validates() {
-        let flag_sets: [(&str, &[&[&str]]); 6] = [
+        let flag_sets: [(&str, &[&[&str]]); 7] = [
             ("bootstrap", &[&["candidates"], &[]]),
+            ("gather", &[&[]]),
             ("weigh", &[&[], &["probe"]]),
             ("independence", &[&[], &["maps"]]),
             ("rest", &[&[], &["maps"]]),

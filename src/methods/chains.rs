@@ -110,7 +110,7 @@ pub(super) fn render(
     statistics.kernels = ensemble.kernel_statistics();
     statistics.b = Some(ensemble.b());
 
-    let bytes = run.read(Buffer::Output, &[0..film_bytes])?;
+    let bytes = run.read(Buffer::Output, 0..film_bytes)?;
     let film = Film { words: bytemuck::cast_slice(&bytes), channels: channels as usize };
     statistics.integrity = Some(film.luminance() / ensemble.mutations() as f64 - 1.0);
     let scale = ensemble.b().0 * pixels as f64 / ensemble.mutations() as f64;

@@ -69,7 +69,7 @@ pub(super) fn render(
             })
             .collect();
         run.submit(&dispatches)?;
-        let counters = run.read(Buffer::Counters, &[0..counters_bytes])?;
+        let counters = run.read(Buffer::Counters, 0..counters_bytes)?;
         let counters: &[u32] = bytemuck::cast_slice(&counters);
         statistics.rays += u64::from(counters[COUNTER_RAYS]);
         non_finite += u64::from(counters[COUNTER_NON_FINITE]);
@@ -83,7 +83,7 @@ pub(super) fn render(
     }
     statistics.samples = u64::from(samples) * pixels as u64;
 
-    let bytes = run.read(Buffer::Output, &[0..48 * pixels as u64])?;
+    let bytes = run.read(Buffer::Output, 0..48 * pixels as u64)?;
     let rows: &[[f32; 4]] = bytemuck::cast_slice(&bytes);
     let n = f64::from(samples);
     let mut image = Image { width: settings.width, height: settings.height, pixels: Vec::with_capacity(pixels) };

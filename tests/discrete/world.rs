@@ -107,7 +107,7 @@ impl<'w> Guides<'w> {
                 rows[j * stride + path] = [x, y, z, 1.0];
             }
         }
-        let positions = Positions { rows: &rows, stride };
+        let positions = Positions { rows: &rows, stride, first_path: 0 };
         let median = similarity_median(&pool, positions, BANDWIDTH as f32, wanted);
         let settings = StepSettings {
             alpha_low: 0.05,

@@ -69,7 +69,7 @@ impl<'a> Bench<'a> {
     /// A row of the chains, for `count` paths from `first` on.
     pub fn rows(&mut self, row: usize, first: u32, count: u32) -> Vec<[u32; 4]> {
         let start = 16 * (row as u64 * u64::from(PATHS) + u64::from(first));
-        let bytes = self.run.read(Buffer::Chains, &[start..start + 16 * u64::from(count)]).unwrap();
+        let bytes = self.run.read(Buffer::Chains, start..start + 16 * u64::from(count)).unwrap();
         bytemuck::cast_slice(&bytes).to_vec()
     }
 
@@ -93,15 +93,21 @@ impl<'a> Bench<'a> {
         let mut words: Vec<u32> = list.entries.iter().flatten().copied().collect();
         let nodes_offset = words.len() as u32;
         words.extend(list.nodes.iter().flatten());
-        let order_offset = words.len() as u32;
-        words.extend(&guides.order);
+        // Guides are read from their rows in the pool's order, which the pass `gather` makes.
+        let guides_first = guides.order.iter().copied().min().unwrap_or(0);
+        let order: Vec<u32> = guides.order.iter().flat_map(|&path| [path, 0]).collect();
+        self.run.set_lists(&order);
+        let gather =
+            PassUniform { stride: PATHS, entries: guides.order.len() as u32, guides_first, ..Default::default() };
+        let variant = Variant { pass: "gather", features: self.features, max_edges: MAX_EDGES, flags: vec![] };
+        self.run.submit(&[Dispatch { variant, uniform: gather }]).unwrap();
         self.run.set_lists(&words);
         let uniform = PassUniform {
             seed: 77,
             stride: PATHS,
             entries: list.entries.len() as u32,
             nodes_offset,
-            order_offset,
+            guides_first,
             similarity_median: -8.0,
             similarity_scale: 1.0 / (SIMILARITY_RADIUS * SIMILARITY_RADIUS),
             ..Default::default()
@@ -127,7 +133,7 @@ impl<'a> Bench<'a> {
 
     /// The records of the last probing pass.
     pub fn records(&mut self, count: u32) -> Vec<[f32; 4]> {
-        let bytes = self.run.read(Buffer::Output, &[0..16 * u64::from(count)]).unwrap();
+        let bytes = self.run.read(Buffer::Output, 0..16 * u64::from(count)).unwrap();
         bytemuck::cast_slice(&bytes).to_vec()
     }
 
