@@ -1,24 +1,26 @@
 //! Error at equal time: every method renders a scene for the same wall time with several seeds; the median relMSE per
 //! pixel and on means of 4x4 pixels is printed, with what the methods did in that time.
 //!
-//!     cargo bench --bench equal_time -- --reference REF.exr [--scene scenes/ajar.glb] [--seconds 10] [--seeds 5]
+//!     cargo bench --bench equal_time -- [--scene ajar] [--seconds 10] [--seeds 5] [--image OTHER.exr ...]
 //!
-//! The image size is the reference's. A reference is a long render of the same scene, for example
-//!     emlt render scenes/ajar.glb --size 160x120 --spp 8192 --seed 1001 -o ref.exr
+//! The scene and the reference are those of tests/references; the reference's own noise is subtracted. Another
+//! renderer's images of the same scene and size are compared in the same way.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Parser;
-use emlt::film::{exr, metrics};
+use emlt::film::{Image, exr, metrics};
 use emlt::methods::{Budget, Method, Settings, Silent, render};
 use emlt::scene::import::import;
 
 #[derive(Parser)]
 struct Arguments {
-    #[arg(long, default_value = "scenes/ajar.glb")]
-    scene: PathBuf,
-    #[arg(long)]
-    reference: PathBuf,
+    /// Name of a scene that has a reference
+    #[arg(long, default_value = "ajar")]
+    scene: String,
+    /// Images of other renderers
+    #[arg(long, num_args = 1..)]
+    image: Vec<PathBuf>,
     /// Rendering time of each image; seeding and compiling come on top and are listed
     #[arg(long, default_value_t = 10.0)]
     seconds: f64,
@@ -52,10 +54,12 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 fn run(arguments: &Arguments) -> emlt::Result<()> {
-    let scene = import(&arguments.scene)?;
-    let reference = exr::read(&arguments.reference)?
-        .image("")
-        .ok_or_else(|| emlt::Error::input(format!("{} has no channels R, G, B", arguments.reference.display())))?;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let scene = import(&root.join("scenes").join(&arguments.scene).with_extension("glb"))?;
+    let file = root.join("tests/references").join(&arguments.scene).with_extension("exr");
+    let reference = layer(&file, "")?;
+    let noise = layer(&file, "Variance.")?;
+    let compare = |image: &Image| metrics::compare(image, &reference, Some(&noise));
     println!(
         "{} at {}x{}, {} s of rendering, median of {} seeds",
         scene.name, reference.width, reference.height, arguments.seconds, arguments.seeds
@@ -77,7 +81,7 @@ fn run(arguments: &Arguments) -> emlt::Result<()> {
             };
             let cpu = cpu_seconds();
             let outcome = render(&scene, &settings, &mut Silent)?;
-            let errors = metrics::compare(&outcome.image, &reference, None)?;
+            let errors = compare(&outcome.image)?;
             let s = &outcome.statistics;
             let pixels = f64::from(reference.width * reference.height);
             rows.push([
@@ -110,5 +114,23 @@ fn run(arguments: &Arguments) -> emlt::Result<()> {
             column(5)
         );
     }
+    if !arguments.image.is_empty() {
+        let errors = arguments.image.iter().map(|file| compare(&layer(file, "")?)).collect::<emlt::Result<Vec<_>>>()?;
+        let column = |f: fn(&metrics::Errors) -> f64| median(errors.iter().map(f).collect());
+        println!(
+            "{:<7} {:>9.5} {:>11.5} {:>9.5}",
+            "images",
+            column(|e| e.rel_mse),
+            column(|e| e.rel_mse_blocks),
+            column(|e| e.mse)
+        );
+    }
     Ok(())
+}
+
+/// Channels `prefix`R, G, B of an EXR.
+fn layer(file: &Path, prefix: &str) -> emlt::Result<Image> {
+    exr::read(file)?
+        .image(prefix)
+        .ok_or_else(|| emlt::Error::input(format!("{} has no channels {prefix}R, G, B", file.display())))
 }

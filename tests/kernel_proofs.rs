@@ -7,7 +7,7 @@ mod bench;
 mod stationarity;
 
 use bench::{Bench, Guides, HALF, context};
-use emlt::gpu::layout::{PassUniform, ROW_KEY};
+use emlt::gpu::layout::{PassUniform, ROW_KEY, ROW_VERTICES, row_guide, unpack_position};
 use emlt::gpu::shader::Variant;
 use emlt::kernels::{Kernel, guided_lens, lens};
 use stationarity::worst_z;
@@ -57,6 +57,32 @@ fn log_ratios_are_antisymmetric() {
     let (share, _) = asymmetric_share(&mut bench, &guided_lens::KERNEL, &[], Guides::Own);
     println!("twin, guides from the own half: {share:.3} asymmetric");
     assert!(share > 0.05, "the twin with guides from the own half passes: {share}");
+}
+
+/// Guides are what their paths are, but for the rounding of the packing: half a unit of 1/511.5.
+#[test]
+fn guides_are_published_as_they_are() {
+    let context = context();
+    let mut bench = Bench::new(&context, SCENE);
+    bench.list(HALF, Guides::Other);
+    let order = bench.guides.order.clone();
+    let keys = bench.keys(HALF, HALF);
+    let mut looked_at = 0;
+    for vertex in 0..bench::MAX_EDGES as usize {
+        let positions = bench.rows(ROW_VERTICES + 2 * vertex + 1, HALF, HALF);
+        let words = bench.rows(row_guide(bench::MAX_EDGES) + (1 + vertex) / 4, HALF, HALF);
+        for (place, &path) in order.iter().enumerate() {
+            let path = (path - HALF) as usize;
+            if vertex < keys[path].edges() as usize {
+                let told = unpack_position(words[place][(1 + vertex) % 4]);
+                for (told, bits) in told.iter().zip(positions[path]) {
+                    assert!((told - f64::from(f32::from_bits(bits))).abs() < 1.01 * 0.5 / 511.5);
+                }
+                looked_at += 1;
+            }
+        }
+    }
+    assert!(looked_at > 2 * HALF, "only {looked_at} vertices");
 }
 
 /// A step of length zero proposes the same path: log ratio 0 (METHOD.md section 6, item 8).

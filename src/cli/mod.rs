@@ -3,6 +3,7 @@
 //! Every failure is one line on standard error that begins with `error: `, and an exit status: 2 for bad usage or
 //! input, 1 for anything else. Nothing a user can cause shows a panic or a backtrace.
 
+mod devices;
 mod info;
 mod render;
 
@@ -30,6 +31,7 @@ struct Cli {
 enum Command {
     Render(render::Arguments),
     Info(info::Arguments),
+    Devices(devices::Arguments),
 }
 
 /// Runs the program on this process's arguments.
@@ -40,6 +42,7 @@ pub fn main() -> ExitCode {
         Ok(cli) => match cli.command {
             Command::Render(arguments) => render::run(&arguments),
             Command::Info(arguments) => info::run(&arguments),
+            Command::Devices(arguments) => devices::run(&arguments),
         },
         Err(e) if matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
             print(&e.render().to_string())

@@ -5,25 +5,6 @@ use super::pool::{NodeRange, Pool, TypeKey, select};
 /// How many members of a pool are looked at for the median.
 const SUBSAMPLE: usize = 256;
 
-/// Vertex positions of an ensemble, vertex by vertex, as they come back from the device.
-#[derive(Debug, Clone, Copy)]
-pub struct Positions<'a> {
-    /// Position j of path i is `rows[j * stride + i - first_path]`; the fourth component is not read.
-    pub rows: &'a [[f32; 4]],
-    /// Paths in `rows`.
-    pub stride: usize,
-    /// Index of the first of them in the ensemble.
-    pub first_path: u32,
-}
-
-impl Positions<'_> {
-    /// World position of a vertex, 0 at the light.
-    pub fn vertex(&self, path: u32, vertex: usize) -> [f64; 3] {
-        let [x, y, z, _] = self.rows[vertex * self.stride + (path - self.first_path) as usize];
-        [x, y, z].map(f64::from)
-    }
-}
-
 /// d^2 = (1/n) SUM_j |x_j - v_j|^2 / h^2 over vertices j = 0..edges of both paths: all but the camera's.
 ///
 /// `bandwidth` is h, in scene units.
@@ -64,15 +45,21 @@ impl Similarity {
 /// A function of the frozen half alone, so using it as the centre of the sigmoid adapts nothing to the moving half.
 /// Up to 256 members spread evenly over `pool.order` are each compared with `guides` members of the node they would
 /// find if they were not in the pool themselves (C12: leave a member out of its own S).
-/// `None` if no member has another of its length.
-pub fn similarity_median(pool: &Pool, positions: Positions, bandwidth: f32, guides: u32) -> Option<f32> {
+/// `None` if no member has another of its length. `position(place, vertex)` is that of the path at `pool.order[place]`,
+/// vertex 0 at the light.
+pub fn similarity_median(
+    pool: &Pool,
+    position: impl Fn(u32, usize) -> [f64; 3],
+    bandwidth: f32,
+    guides: u32,
+) -> Option<f32> {
     let count = pool.order.len();
     let samples = count.min(SUBSAMPLE);
     let mut values: Vec<f64> = (0..samples)
         .filter_map(|sample| {
             // Even spread: the first member of each of `samples` equal parts.
             let at = sample * count / samples;
-            leave_one_out(pool, at as u32, positions, f64::from(bandwidth), guides)
+            leave_one_out(pool, at as u32, &position, f64::from(bandwidth), guides)
         })
         .collect();
     values.sort_by(f64::total_cmp);
@@ -85,21 +72,23 @@ pub fn similarity_median(pool: &Pool, positions: Positions, bandwidth: f32, guid
 }
 
 /// S of the member at `order[at]` against the others; `None` if it is alone.
-fn leave_one_out(pool: &Pool, at: u32, positions: Positions, bandwidth: f64, guides: u32) -> Option<f64> {
+fn leave_one_out(
+    pool: &Pool,
+    at: u32,
+    position: impl Fn(u32, usize) -> [f64; 3],
+    bandwidth: f64,
+    guides: u32,
+) -> Option<f64> {
     let key = key_at(pool, at);
     // Without itself, a single member of a type would be guided by its length.
     let has_peers = |node: &NodeRange| node.count > 1;
     let node = pool.type_node(key).filter(has_peers).or_else(|| pool.length_node(key.edges()).filter(has_peers))?;
-    let path = pool.order[at as usize];
     let rank = at - node.offset;
-    let members = pool.members(node);
     // rank + o mod count with o < count is never the member itself.
     let squared: Vec<f64> = (1..=guides.min(node.count - 1))
         .map(|o| {
-            let guide = members[select(rank, o, node.count) as usize];
-            let x = |j| positions.vertex(path, j);
-            let v = |j| positions.vertex(guide, j);
-            mean_squared_distance(key.edges(), bandwidth, x, v)
+            let guide = node.offset + select(rank, o, node.count);
+            mean_squared_distance(key.edges(), bandwidth, |j| position(at, j), |j| position(guide, j))
         })
         .collect();
     Some(Similarity::from_squared_distances(&squared)?.log_mean)
@@ -139,52 +128,40 @@ mod tests {
         assert_eq!(mean_squared_distance(2, 0.5, x, v), 8.0);
     }
 
-    /// Paths of one edge on a line: only the light's position counts.
-    fn line(xs: &[f32]) -> Vec<[f32; 4]> {
-        xs.iter().map(|&x| [x, 0.0, 0.0, f32::NAN]).collect()
+    /// Paths of one edge on a line: only the light's position counts. Places hold paths in order, as the types are one.
+    fn line(xs: &[f64]) -> impl Fn(u32, usize) -> [f64; 3] {
+        |place, _| [xs[place as usize], 0.0, 0.0]
     }
 
     #[test]
     fn median_leaves_the_member_itself_out() {
         // Neighbours at distance 1, one guide each, the last one compared with the first: d = 1, 1, 2.
-        let rows = line(&[0.0, 1.0, 2.0]);
+        let position = line(&[0.0, 1.0, 2.0]);
         let pool = Pool::build(&[key(&[]); 3], 0);
-        let positions = Positions { rows: &rows, stride: 3, first_path: 0 };
-        assert_eq!(similarity_median(&pool, positions, 1.0, 1), Some(-0.5));
+        assert_eq!(similarity_median(&pool, &position, 1.0, 1), Some(-0.5));
         // All others: (1, 2), (1, 1), (1, 2); with itself each S would be larger.
         let expected = ((-0.5f64).exp() / 2.0 + (-2.0f64).exp() / 2.0).ln() as f32;
-        let all = similarity_median(&pool, positions, 1.0, 16).unwrap();
+        let all = similarity_median(&pool, &position, 1.0, 16).unwrap();
         assert!((all - expected).abs() < 1e-6);
     }
 
     #[test]
     fn a_single_member_of_a_type_is_compared_with_its_length() {
         use Tag::{Diffuse as D, Reflection as R};
-        let rows: Vec<[f32; 4]> = [0.0, 3.0, 0.0, 3.0].map(|x| [x, 0.0, 0.0, 0.0]).to_vec();
-        let positions = Positions { rows: &rows, stride: 2, first_path: 0 };
+        let position = |place: u32, _| [3.0 * f64::from(place), 0.0, 0.0];
         let pool = Pool::build(&[key(&[D]), key(&[R])], 0);
-        assert_eq!(similarity_median(&pool, positions, 3.0, 4), Some(-0.5));
+        assert_eq!(similarity_median(&pool, position, 3.0, 4), Some(-0.5));
         let alone = Pool::build(&[key(&[D]), key(&[])], 0);
-        assert_eq!(similarity_median(&alone, positions, 3.0, 4), None);
-        assert_eq!(similarity_median(&Pool::default(), positions, 3.0, 4), None);
-    }
-
-    #[test]
-    fn the_second_half_is_read_at_its_own_indices() {
-        let rows = line(&[0.0, 1.0]);
-        let pool = Pool::build(&[key(&[]); 2], 2);
-        let positions = Positions { rows: &rows, stride: 2, first_path: 2 };
-        assert_eq!(similarity_median(&pool, positions, 1.0, 8), Some(-0.5));
+        assert_eq!(similarity_median(&alone, position, 3.0, 4), None);
+        assert_eq!(similarity_median(&Pool::default(), position, 3.0, 4), None);
     }
 
     #[test]
     fn a_large_pool_is_sampled_evenly() {
         // Distances to the next member grow linearly, so the median is near the middle one.
-        let xs: Vec<f32> = (0..10_000).map(|i| 0.5 * 1e-4 * (i as f32).powi(2)).collect();
-        let rows = line(&xs);
+        let xs: Vec<f64> = (0..10_000).map(|i| 0.5 * 1e-4 * f64::from(i).powi(2)).collect();
         let pool = Pool::build(&vec![key(&[]); xs.len()], 0);
-        let positions = Positions { rows: &rows, stride: xs.len(), first_path: 0 };
-        let median = similarity_median(&pool, positions, 1.0, 1).unwrap();
+        let median = similarity_median(&pool, line(&xs), 1.0, 1).unwrap();
         assert!((median + 0.125).abs() < 0.01, "{median}");
     }
 }

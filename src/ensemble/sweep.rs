@@ -5,10 +5,10 @@
 
 use super::bootstrap::{Bootstrap, Mean};
 use super::pool::{Pool, TypeKey};
-use super::similarity::{Positions, similarity_median};
+use super::similarity::similarity_median;
 use crate::gpu::layout::{
     COUNTER_ACCEPTED, COUNTER_JUMP_HIGH, COUNTER_JUMP_LOW, COUNTER_NON_FINITE, COUNTER_RAYS, COUNTER_WORDS, JUMP_SCALE,
-    PassUniform, ROW_KEY, ROW_VERTICES,
+    PassUniform, ROW_KEY, guide_rows, row_guide, unpack_position,
 };
 use crate::gpu::run::{Buffer, Dispatch, Run};
 use crate::gpu::shader::{GUIDES, Variant};
@@ -264,21 +264,23 @@ impl Ensemble {
         run.set_lists(&words);
         let uniform = PassUniform { entries: self.half_paths(), guides_first: first, ..self.build.uniform() };
         run.submit(&[Dispatch { variant: self.build.variant("gather", &[]), uniform }])?;
-        let longest = pool.lengths.last().map_or(0, |node| node.edges as usize);
-        let (stride, count) = (u64::from(self.build.paths), u64::from(self.half_paths()));
-        let ranges: Vec<_> = (0..longest)
+        let count = self.half_paths();
+        let ranges: Vec<_> = (0..guide_rows(self.build.max_edges))
             .map(|i| {
-                let row = ROW_VERTICES + 2 * i + 1;
-                let start = 16 * (row as u64 * stride + u64::from(first));
-                start..start + 16 * count
+                let row = (row_guide(self.build.max_edges) + i) as u64;
+                let start = 16 * (row * u64::from(self.build.paths) + u64::from(first));
+                start..start + 16 * u64::from(count)
             })
             .collect();
         let bytes = run.read_ranges(Buffer::Chains, &ranges)?;
-        let positions =
-            Positions { rows: bytemuck::cast_slice(&bytes), stride: count as usize, first_path: self.first_path(half) };
+        let rows: &[[u32; 4]] = bytemuck::cast_slice(&bytes);
+        let position = |place: u32, vertex: usize| {
+            let word = 1 + vertex;
+            unpack_position(rows[word / 4 * count as usize + place as usize][word % 4])
+        };
         // A pool in which no path has company guides nobody: any median will do.
         self.halves[half].similarity_median =
-            similarity_median(pool, positions, SIMILARITY_RADIUS, GUIDES).unwrap_or(0.0);
+            similarity_median(pool, position, SIMILARITY_RADIUS, GUIDES).unwrap_or(0.0);
         Ok(())
     }
 

@@ -21,7 +21,8 @@ pub struct DeviceDescription {
     pub software: bool,
 }
 
-const NO_DEVICE: &str = "no Vulkan device was found: install a driver, for software rendering 'apt install libvulkan1 mesa-vulkan-drivers' (Debian, Ubuntu), 'dnf install vulkan-loader mesa-vulkan-drivers' (Fedora) or 'pacman -S vulkan-icd-loader vulkan-swrast' (Arch)";
+/// What to say where [`list`] is empty.
+pub const NO_DEVICE: &str = "no Vulkan device was found: install a driver, for software rendering 'apt install libvulkan1 mesa-vulkan-drivers' (Debian, Ubuntu), 'dnf install vulkan-loader mesa-vulkan-drivers' (Fedora) or 'pacman -S vulkan-icd-loader vulkan-swrast' (Arch)";
 
 fn adapters() -> Vec<wgpu::Adapter> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {

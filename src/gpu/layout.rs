@@ -50,14 +50,24 @@ pub const ROW_VERTICES: usize = 4;
 pub const ROW_KEY: usize = 3;
 pub const ROW_PIXEL: usize = 0;
 
-/// First of the rows in the order of a pool (`ROW_GUIDE`): pixel, then positions from the light.
+/// First of the rows in the order of a pool (`ROW_GUIDE`): what guides tell, packed as in shaders/transport/guide.wesl.
 pub fn row_guide(max_edges: u32) -> usize {
     ROW_VERTICES + 2 * max_edges as usize
 }
 
 /// Rows of vec4 that a chain with up to `max_edges` edges needs.
 pub fn chain_rows(max_edges: u32) -> usize {
-    row_guide(max_edges) + 1 + max_edges as usize
+    row_guide(max_edges) + guide_rows(max_edges)
+}
+
+/// Rows of vec4 that a guide with up to `max_edges` edges needs: a word for the pixel and one a position.
+pub fn guide_rows(max_edges: u32) -> usize {
+    (1 + max_edges as usize).div_ceil(4)
+}
+
+/// Twin of `guide_position`: in the unit sphere's frame.
+pub fn unpack_position(word: u32) -> [f64; 3] {
+    [0, 10, 20].map(|shift| f64::from((word >> shift) & 1023) / 511.5 - 1.0)
 }
 
 /// Words of one kernel's counters, and which word counts what (`COUNTER_*`).

@@ -145,19 +145,22 @@ impl<'a> Run<'a> {
         self.context.queue.write_buffer(&self.chains, offset, bytes);
     }
 
-    /// Builds the pipelines and runs each once on nothing: drivers compile at the first dispatch.
+    /// Builds the pipelines, all at once, and runs each once on nothing: drivers compile at the first dispatch.
     pub fn compile(&mut self, variants: &[Variant]) -> Result<()> {
-        for variant in variants {
-            self.pipeline(variant)?;
+        let missing: Vec<&Variant> = variants.iter().filter(|v| !self.pipelines.contains_key(v)).collect();
+        let this = &*self;
+        let built: Vec<Result<wgpu::ComputePipeline>> = std::thread::scope(|scope| {
+            let threads: Vec<_> = missing.iter().map(|v| scope.spawn(move || this.build(v))).collect();
+            threads.into_iter().map(|thread| thread.join().expect("building a pipeline does not panic")).collect()
+        });
+        for (variant, pipeline) in missing.into_iter().zip(built) {
+            self.pipelines.insert(variant.clone(), pipeline?);
             self.submit(&[Dispatch { variant: variant.clone(), uniform: PassUniform::default() }])?;
         }
         self.wait()
     }
 
-    fn pipeline(&mut self, variant: &Variant) -> Result<()> {
-        if self.pipelines.contains_key(variant) {
-            return Ok(());
-        }
+    fn build(&self, variant: &Variant) -> Result<wgpu::ComputePipeline> {
         let device = &self.context.device;
         let text = compose(variant)
             .map_err(|e| Error::runtime(format!("a shader does not compose, please report it: {e}")))?;
@@ -182,11 +185,10 @@ impl<'a> Run<'a> {
             },
             cache: None,
         });
-        if let Some(error) = pollster::block_on(scope.pop()) {
-            return Err(Error::runtime(format!("the driver refuses a shader, please report it: {error}")));
+        match pollster::block_on(scope.pop()) {
+            Some(error) => Err(Error::runtime(format!("the driver refuses a shader, please report it: {error}"))),
+            None => Ok(pipeline),
         }
-        self.pipelines.insert(variant.clone(), pipeline);
-        Ok(())
     }
 
     /// Records and submits dispatches in order, at most 256 of them.
@@ -194,7 +196,9 @@ impl<'a> Run<'a> {
         assert!(dispatches.len() <= PASS_SLOTS, "{} passes in one submission", dispatches.len());
         let mut bytes = vec![0u8; dispatches.len() * PASS_STRIDE];
         for (slot, dispatch) in bytes.chunks_exact_mut(PASS_STRIDE).zip(dispatches) {
-            self.pipeline(&dispatch.variant)?;
+            if !self.pipelines.contains_key(&dispatch.variant) {
+                self.pipelines.insert(dispatch.variant.clone(), self.build(&dispatch.variant)?);
+            }
             slot[..size_of::<PassUniform>()].copy_from_slice(bytemuck::bytes_of(&dispatch.uniform));
         }
         self.context.queue.write_buffer(&self.uniforms, 0, &bytes);

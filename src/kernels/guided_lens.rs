@@ -8,4 +8,4 @@ pub const KERNEL: Kernel =
     Kernel { name: "guided lens", pass: "lens", flags: &["guided"], applies: lens::applies, guided: true };
 
 /// Similarity bandwidth h as a fraction of the scene's bounding radius (METHOD.md 3.3).
-pub const SIMILARITY_RADIUS: f32 = 0.05;
+pub const SIMILARITY_RADIUS: f32 = 0.2;

@@ -17,11 +17,11 @@ use crate::scene::Features;
 /// Perturbation passes after each structural one.
 const PERTURBATIONS: usize = 9;
 
-/// The mix of a method: guided and isotropic steps two to one, in a fixed rota that knows nothing of the states.
+/// The mix of a method: guided and isotropic steps in turn, a fixed rota that knows nothing of the states.
 pub fn mix(method: Method) -> Mix {
     let guided = method == Method::Emlt;
     let passes =
-        (0..PERTURBATIONS).map(|i| if guided && i % 3 != 2 { &guided_lens::KERNEL } else { &lens::KERNEL }).collect();
+        (0..PERTURBATIONS).map(|i| if guided && i % 2 == 0 { &guided_lens::KERNEL } else { &lens::KERNEL }).collect();
     Mix { passes }
 }
 
@@ -57,8 +57,9 @@ pub(super) fn render(
 
     observer.stage("compiling shaders");
     let start = Instant::now();
-    run.compile(&bootstrap::variants(features, settings.max_depth))?;
-    run.compile(&build.variants(&mix))?;
+    let mut variants = build.variants(&mix);
+    variants.extend(bootstrap::variants(features, settings.max_depth));
+    run.compile(&variants)?;
     statistics.compile_s = start.elapsed().as_secs_f64();
 
     observer.stage("seeding");

@@ -9,7 +9,7 @@ use crate::place::Place;
 #[test]
 fn help_and_version() {
     let place = Place::new();
-    for arguments in [&["--help"][..], &["help"], &["render", "--help"], &["info", "--help"]] {
+    for arguments in [&["--help"][..], &["help"], &["render", "--help"], &["info", "--help"], &["devices", "--help"]] {
         let output = place.run(arguments);
         assert_eq!(output.status.code(), Some(0));
         assert!(String::from_utf8_lossy(&output.stdout).contains("Usage:"));
@@ -30,6 +30,14 @@ fn info_describes_the_scene() {
     for words in ["triangles  1 ", "'light'", "'Main'", "1 emissive", "radius"] {
         assert!(said.contains(words), "{words:?} is not in:\n{said}");
     }
+}
+
+#[test]
+fn devices_are_listed() {
+    let output = Place::new().run(&["devices"]);
+    assert_eq!(output.status.code(), Some(0));
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.lines().count() > 0 && said.lines().all(|line| line.contains("Vulkan")), "{said}");
 }
 
 #[test]

@@ -120,11 +120,13 @@ fn an_unknown_camera() {
 fn no_vulkan_device() {
     let place = Place::new();
     let before = place.files();
-    let mut command = place.command(&["render", "scene.gltf", "--size", "8x8", "--spp", "1"]);
-    for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
-        command.env(variable, "/nonexistent");
+    for arguments in [&["render", "scene.gltf", "--size", "8x8", "--spp", "1"][..], &["devices"]] {
+        let mut command = place.command(arguments);
+        for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
+            command.env(variable, "/nonexistent");
+        }
+        check_failure(&command.output().unwrap(), 1, "mesa-vulkan-drivers");
     }
-    check_failure(&command.output().unwrap(), 1, "mesa-vulkan-drivers");
     assert_eq!(place.files(), before);
 }
 

@@ -1,7 +1,7 @@
 //! A finite world of paths: a few types on a grid of pixels, integer weights as target.
 
 use emlt::ensemble::pool::{NodeRange, Pool, Tag, TypeKey};
-use emlt::ensemble::similarity::{Positions, mean_squared_distance, similarity_median};
+use emlt::ensemble::similarity::{mean_squared_distance, similarity_median};
 use emlt::reference::guide::{StepSettings, StepShape};
 
 /// Scene units within which paths resemble each other.
@@ -99,16 +99,11 @@ impl<'w> Guides<'w> {
     pub fn new(world: &'w World, states: &[usize], wanted: u32) -> Self {
         let keys: Vec<TypeKey> = states.iter().map(|&state| world.states[state].key).collect();
         let pool = Pool::build(&keys, 0);
-        let stride = states.len();
-        let vertices = keys.iter().map(|key| key.edges() as usize + 1).max().unwrap_or(0);
-        let mut rows = vec![[f32::NAN; 4]; vertices * stride];
-        for (path, &state) in states.iter().enumerate() {
-            for (j, &[x, y, z]) in world.states[state].vertices.iter().enumerate() {
-                rows[j * stride + path] = [x, y, z, 1.0];
-            }
-        }
-        let positions = Positions { rows: &rows, stride, first_path: 0 };
-        let median = similarity_median(&pool, positions, BANDWIDTH as f32, wanted);
+        let position = |place: u32, vertex: usize| {
+            let state = states[pool.order[place as usize] as usize];
+            world.states[state].vertices[vertex].map(f64::from)
+        };
+        let median = similarity_median(&pool, position, BANDWIDTH as f32, wanted);
         let settings = StepSettings {
             alpha_low: 0.05,
             alpha_high: 0.5,

@@ -38,7 +38,7 @@ pub struct Bench<'a> {
     pub run: Run<'a>,
     pub features: Features,
     pub bootstrap: Bootstrap,
-    guides: Pool,
+    pub guides: Pool,
 }
 
 pub fn context() -> Context {

@@ -79,12 +79,19 @@ fn the_made_camera_sees_the_whole_scene() {
         let camera = &scene.cameras[0];
         assert_eq!(camera.name, "default");
         assert!((camera.vertical_fov.to_degrees() - 40.0).abs() < 1e-4);
-        let (centre, radius) = scene.bounding_sphere();
-        let centre = camera.world_from_camera.inverse().transform_point3(centre);
-        assert!(centre.x.abs() + centre.y.abs() < 1e-4 * radius && centre.z < 0.0);
-        // The sphere subtends less than the field of view, yet not much less.
-        let half = (radius / -centre.z).asin();
-        assert!(half < 0.5 * camera.vertical_fov && half > 0.45 * camera.vertical_fov, "{half}");
+        // Every vertex is inside a square image, and they fill it from side to side one way or the other.
+        let camera_from_world = camera.world_from_camera.inverse();
+        let half = (0.5 * camera.vertical_fov).tan();
+        let (mut low, mut high) = (glam::Vec2::INFINITY, glam::Vec2::NEG_INFINITY);
+        for position in &scene.positions {
+            let seen = camera_from_world.transform_point3(*position);
+            assert!(seen.z < 0.0);
+            let place = seen.truncate() / (-seen.z * half);
+            (low, high) = (low.min(place), high.max(place));
+        }
+        assert!(low.min_element() > -0.92 && high.max_element() < 0.92, "{low} {high}");
+        let filled = (high - low).max_element();
+        assert!(filled > 1.8, "{low} {high}");
         assert!(warned(&scene, "no perspective camera"));
     }
 }

@@ -12,8 +12,8 @@ const DEFAULT_FOV: f64 = 40.0 * std::f64::consts::PI / 180.0;
 /// Where a made camera stands: degrees from +z (the front of glTF's assets) towards +x, and degrees above the horizon.
 const AZIMUTH_DEG: f64 = 30.0;
 const ELEVATION_DEG: f64 = 20.0;
-/// Room around the bounding sphere, so that it does not touch the image's edge.
-const MARGIN: f64 = 1.05;
+/// Room around the scene, so that it does not touch the image's edge.
+const MARGIN: f64 = 1.1;
 /// A scene is flat where its smallest extent is below this share of its largest.
 const FLAT: f32 = 1e-3;
 
@@ -64,15 +64,31 @@ pub fn framed(scene: &Scene) -> Camera {
         let level = DVec3::new(azimuth.sin(), 0.0, azimuth.cos());
         (elevation.cos() * level + elevation.sin() * DVec3::Y, DVec3::Y)
     };
-    let (centre, radius) = (0.5 * (low.as_dvec3() + high.as_dvec3()), 0.5 * extent.as_dvec3().length());
-    let distance = MARGIN * radius / (0.5 * DEFAULT_FOV).sin();
+    // The directions above are never parallel.
+    let turned = rigid(back, up, DVec3::ZERO).unwrap_or(Affine3A::IDENTITY);
+    let [right, up] = [turned.matrix3.x_axis, turned.matrix3.y_axis].map(|axis| axis.as_dvec3());
     Camera {
         name: "default".into(),
-        // The directions above are never parallel.
-        world_from_camera: rigid(back, up, centre + distance * back).unwrap_or(Affine3A::IDENTITY),
+        world_from_camera: rigid(back, up, eye(scene, right, up, back)).unwrap_or(turned),
         vertical_fov: DEFAULT_FOV as f32,
         aspect: None,
     }
+}
+
+/// The nearest place, looking along -`back`, from which every vertex is inside a square image.
+///
+/// A vertex at (x, y, z) in the camera's axes is inside if |x - cx| <= (d - z) t, and likewise in y, for an eye at
+/// (cx, cy, d) and t the tangent of half the angle. With A = max(x + z t) and B = max(-x + z t) over all vertices the
+/// least d is (A + B) / 2t, at cx = (A - B) / 2.
+fn eye(scene: &Scene, right: DVec3, up: DVec3, back: DVec3) -> DVec3 {
+    let t = (0.5 * DEFAULT_FOV).tan() / MARGIN;
+    let farthest = |direction: DVec3| {
+        scene.positions.iter().map(|p| p.as_dvec3().dot(direction)).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let fit = |axis: DVec3| (farthest(axis + t * back), farthest(-axis + t * back));
+    let ((a, b), (c, d)) = (fit(right), fit(up));
+    let distance = (a + b).max(c + d) / (2.0 * t);
+    0.5 * (a - b) * right + 0.5 * (c - d) * up + distance * back
 }
 
 /// Sum of all triangles' normals, weighted by area: the side that a flat scene shows.
