@@ -4,8 +4,8 @@ use super::strategies::Strategies;
 use crate::gpu::layout::PassUniform;
 use crate::gpu::run::{Buffer, Dispatch, Run};
 use crate::gpu::shader::Variant;
-use crate::methods::Observer;
 use crate::reference::rng;
+use crate::report::observer::Observer;
 use crate::scene::Features;
 
 /// Candidates from which b and the seeds come.

@@ -1,6 +1,7 @@
 //! What a render says about itself: progress while it runs, statistics at its end, metadata in its file.
 
 pub mod metadata;
+pub mod observer;
 pub mod progress;
 pub mod statistics;
 pub mod summary;

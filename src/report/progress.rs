@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::methods::Observer;
+use crate::report::observer::Observer;
 
 /// Steps of the bar: finer than any terminal is wide, so that the estimate of the remaining time is smooth.
 const STEPS: u64 = 10_000;
