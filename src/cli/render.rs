@@ -39,7 +39,7 @@ pub struct Arguments {
     size: Option<(u32, u32)>,
 
     /// Mutations per pixel (mlt, emlt) or samples per pixel (pt)
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
 
     /// Render for this long instead of to a number of samples

@@ -69,7 +69,7 @@ impl Default for Settings {
             method: Method::Emlt,
             width: 640,
             height: 480,
-            budget: Budget::SamplesPerPixel(64),
+            budget: Budget::SamplesPerPixel(128),
             seed: 1,
             max_depth: 12,
             camera: None,
