@@ -87,7 +87,7 @@ pub(super) fn render(
     let rows: &[[f32; 4]] = bytemuck::cast_slice(&bytes);
     let n = f64::from(samples);
     let mut image = Image { width: settings.width, height: settings.height, pixels: Vec::with_capacity(pixels) };
-    let mut variance = vec![Vec::with_capacity(pixels); 3];
+    let mut variance = [const { Vec::new() }; 3];
     for pixel in rows.chunks_exact(3) {
         let mean = |c: usize| (f64::from(pixel[0][c]) - f64::from(pixel[1][c])) / n;
         image.pixels.push([0, 1, 2].map(|c| mean(c) as f32));
