@@ -1,0 +1,96 @@
+//! The closed furnace (tests/scenes/furnace.glb): walls of emission e and albedo rho all around.
+//!
+//! A path of k edges that ends on a wall carries e rho^(k - 1), whatever the room's shape. So with at most k edges every
+//! pixel is e (1 - rho^k) / (1 - rho) (METHOD.md 4.5, F1).
+
+use emlt::ensemble::bootstrap::{BATCH, CANDIDATE_PASS, CANDIDATES, Mean, Start};
+use emlt::ensemble::strategies::Strategies;
+use emlt::ensemble::sweep::list_words;
+use emlt::film::Image;
+use emlt::gpu::context::Context;
+use emlt::gpu::layout::chain_rows;
+use emlt::gpu::run::{Run, Sizes};
+use emlt::gpu::scene::SceneData;
+use emlt::methods::{Method, Settings, Silent};
+use emlt::scene::Features;
+
+use super::comparison::{self, LEVEL, Power, Truth};
+use super::renders::{changed, render, scene, settings};
+use super::student::two_sided;
+
+const SCENE: &str = "tests/scenes/furnace.glb";
+const EMISSION: [f64; 3] = [0.5, 1.0, 0.25];
+const ALBEDO: [f64; 3] = [0.6, 0.5, 0.3];
+const LONGEST: u32 = 12;
+const FILM: [u32; 2] = [16, 12];
+
+/// Radiance everywhere with at most `edges` edges.
+fn radiance(edges: u32) -> [f64; 3] {
+    [0, 1, 2].map(|c| EMISSION[c] * (1.0 - ALBEDO[c].powi(edges as i32)) / (1.0 - ALBEDO[c]))
+}
+
+/// One render for every limit of edges, each over its closed form. The limits take the place of replicates: every image
+/// should be 1 but for noise, whatever its limit.
+fn check(method: Method, samples_per_pixel: u32, power: Power) {
+    let scene = scene(SCENE);
+    let normalised = |edges: u32| {
+        let settings = Settings { max_depth: edges, seed: edges, ..settings(method, FILM, samples_per_pixel) };
+        let truth = radiance(edges);
+        changed(&render(&scene, &settings).image, |_, _, p| [0, 1, 2].map(|c| (f64::from(p[c]) / truth[c]) as f32))
+    };
+    let images: Vec<Image> = (1..=LONGEST).map(normalised).collect();
+    let truth = Truth { image: changed(&images[0], |_, _, _| [1.0; 3]), variance: None, tile: 4 };
+    comparison::check(&format!("furnace {}", method.name()), &images, &truth, power);
+}
+
+#[test]
+fn furnace_by_pt() {
+    check(Method::Pt, 256, Power { film: 0.003, tile: 0.006 });
+}
+
+#[test]
+fn furnace_by_mlt() {
+    check(Method::Mlt, 2000, Power { film: 0.02, tile: 0.08 });
+}
+
+#[test]
+fn furnace_by_emlt() {
+    check(Method::Emlt, 2000, Power { film: 0.02, tile: 0.08 });
+}
+
+/// b of every path length is the luminance of e rho^(k - 1): the bidirectional candidates from which mlt and emlt take b
+/// and their start, length by length.
+#[test]
+fn furnace_by_path_length() {
+    let scene = scene(SCENE);
+    let context = Context::open(None).unwrap_or_else(|e| panic!("{e}"));
+    let data = SceneData::new(&scene, scene.camera(None).unwrap(), FILM[0], FILM[1]).unwrap();
+    let paths = 2;
+    let sizes = Sizes {
+        chains: 16 * chain_rows(LONGEST) as u64 * u64::from(paths),
+        lists: 4 * list_words(paths, BATCH),
+        output: 16 * u64::from(BATCH),
+        counters: 256,
+    };
+    let mut run = Run::new(&context, &data, sizes).unwrap();
+    let features = Features::of(&scene);
+    let mut start = Start { features, max_edges: LONGEST, seed: 1, paths, film: FILM, observer: &mut Silent };
+    let strategies = Strategies::uniform(LONGEST, false);
+    let (candidates, list) = start.candidates(&mut run, &strategies, CANDIDATES, CANDIDATE_PASS, &mut 0).unwrap();
+    let mut worst = f64::INFINITY;
+    for edges in 1..=LONGEST {
+        let mut weights = Mean::default();
+        candidates.iter().zip(&list).filter(|(_, l)| l[0] == edges).for_each(|(c, _)| weights.add(c.weight()));
+        // The number of candidates of each length is fixed (systematic sampling), so it adds no noise.
+        let share = weights.count / f64::from(CANDIDATES);
+        let (b, standard_error) = (share * weights.mean(), share * weights.standard_error());
+        let term = |c: usize| EMISSION[c] * ALBEDO[c].powi(edges as i32 - 1);
+        let truth = 0.2126 * term(0) + 0.7152 * term(1) + 0.0722 * term(2);
+        let z = (b - truth) / standard_error;
+        println!("furnace, {edges} edges: b {:.6} +- {:.2} %, z {z:.2}", b, 100.0 * standard_error / truth);
+        worst = worst.min(two_sided(z, 1000));
+        // What the test can see: 2 % at any length.
+        assert!(two_sided(0.02 * truth / standard_error, 1000) * f64::from(LONGEST) < LEVEL, "{edges} edges");
+    }
+    assert!(worst * f64::from(LONGEST) > LEVEL, "p {worst}");
+}
