@@ -132,6 +132,37 @@ fn kernels_factors_agree_with_the_target() {
     }
 }
 
+/// METHOD.md 4.1 A1 for the independence kernel. Its log ratio is log w(y) - log w(x), w(y) as the proposal was made and
+/// w(x) as the state is weighed; there and back they cancel if both ways give every path the same w: a million paths.
+#[test]
+fn independence_log_ratios_are_antisymmetric() {
+    let context = context();
+    let mut bench = Bench::new(&context, SCENE);
+    let weigh = Kernel { name: "weigh", pass: "weigh", flags: &["probe"], applies: |_| true, guided: false };
+    let (mut bad, mut all) = (0usize, 0usize);
+    for seed in 2001.. {
+        let (candidates, strategies) = bench.candidates(1 << 17, seed);
+        let lit: Vec<u32> = (0..candidates.len() as u32).filter(|i| candidates[*i as usize].weight() > 0.0).collect();
+        for chunk in lit.chunks(HALF as usize) {
+            let entries: Vec<u32> = (0..chunk.len() as u32).flat_map(|path| [path, 0]).collect();
+            let uniform = PassUniform { stride: bench::PATHS, entries: chunk.len() as u32, ..Default::default() };
+            bench.fill(seed, &strategies, chunk);
+            bench.run.set_lists(&entries);
+            bench.passes(&weigh, &[], uniform, 0..1);
+            let weighed = bench.records(chunk.len() as u32);
+            let made = chunk.iter().map(|&i| candidates[i as usize].log_weight);
+            // Counted this way round, what is no number counts as bad.
+            bad += chunk.len() - weighed.iter().zip(made).filter(|(r, made)| (r[0] - made).abs() < 1e-3).count();
+            all += chunk.len();
+        }
+        if all >= 1_000_000 {
+            break;
+        }
+    }
+    println!("independence: {bad} of {all} paths weighed otherwise than made");
+    assert!((bad as f64) < 1e-3 * all as f64, "{bad} of {all}");
+}
+
 /// METHOD.md 4.4 S1: weighted paired stationarity over image tiles and path lengths. The limit corresponds to an error
 /// probability of 1e-6 a bin, so below 1e-3 for the whole test.
 #[test]
