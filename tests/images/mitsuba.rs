@@ -113,24 +113,24 @@ fn changed_scenes_are_caught() {
     }
 }
 
-/// Light through the gap of a door: with 12 replicates of seconds the limits are 55 % of a tile, so only in the long
-/// form.
+/// Light through the gap of a door. Renders of seconds, as above, would see no bias below 6 % of the film and 50 % of a
+/// tile, so this has longer ones, in the long form only.
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
 fn long_ajar_by_pt() {
-    compare("ajar", AJAR, FULL_DEPTH, Pt, [80, 24], Power { film: 0.03, tile: 0.3 });
+    compare("ajar", AJAR, FULL_DEPTH, Pt, [80, 24], Power { film: 0.03, tile: 0.45 });
 }
 
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
 fn long_ajar_by_mlt() {
-    compare("ajar", AJAR, FULL_DEPTH, Mlt, [600, 16], Power { film: 0.03, tile: 0.3 });
+    compare("ajar", AJAR, FULL_DEPTH, Mlt, [600, 16], Power { film: 0.03, tile: 0.7 });
 }
 
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
 fn long_ajar_by_emlt() {
-    compare("ajar", AJAR, FULL_DEPTH, Emlt, [600, 16], Power { film: 0.03, tile: 0.3 });
+    compare("ajar", AJAR, FULL_DEPTH, Emlt, [600, 16], Power { film: 0.03, tile: 0.7 });
 }
 
 #[test]
