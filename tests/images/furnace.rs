@@ -50,7 +50,7 @@ fn furnace_by_pt() {
 
 #[test]
 fn furnace_by_mlt() {
-    check(Method::Mlt, 1500, Power { film: 0.02, tile: 0.08 });
+    check(Method::Mlt, 2000, Power { film: 0.02, tile: 0.08 });
 }
 
 #[test]

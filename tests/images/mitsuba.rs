@@ -53,12 +53,12 @@ fn cornell_by_pt() {
 
 #[test]
 fn cornell_by_mlt() {
-    compare("cornell", CORNELL, FULL_DEPTH, Mlt, [120, 14], Power { film: 0.03, tile: 0.4 });
+    compare("cornell", CORNELL, FULL_DEPTH, Mlt, [120, 16], Power { film: 0.03, tile: 0.4 });
 }
 
 #[test]
 fn cornell_by_emlt() {
-    compare("cornell", CORNELL, FULL_DEPTH, Emlt, [120, 14], Power { film: 0.03, tile: 0.4 });
+    compare("cornell", CORNELL, FULL_DEPTH, Emlt, [120, 16], Power { film: 0.03, tile: 0.4 });
 }
 
 #[test]
@@ -68,12 +68,12 @@ fn coloured_box_by_pt() {
 
 #[test]
 fn coloured_box_by_mlt() {
-    compare("coloured_box", COLOURED_BOX, FULL_DEPTH, Mlt, [240, 14], Power { film: 0.03, tile: 0.2 });
+    compare("coloured_box", COLOURED_BOX, FULL_DEPTH, Mlt, [240, 16], Power { film: 0.03, tile: 0.2 });
 }
 
 #[test]
 fn coloured_box_by_emlt() {
-    compare("coloured_box", COLOURED_BOX, FULL_DEPTH, Emlt, [240, 14], Power { film: 0.03, tile: 0.2 });
+    compare("coloured_box", COLOURED_BOX, FULL_DEPTH, Emlt, [240, 16], Power { film: 0.03, tile: 0.2 });
 }
 
 #[test]
@@ -83,12 +83,12 @@ fn shards_by_pt() {
 
 #[test]
 fn shards_by_mlt() {
-    compare("shards_4_edges", SHARDS, 4, Mlt, [120, 14], Power { film: 0.01, tile: 0.25 });
+    compare("shards_4_edges", SHARDS, 4, Mlt, [120, 16], Power { film: 0.01, tile: 0.25 });
 }
 
 #[test]
 fn shards_by_emlt() {
-    compare("shards_4_edges", SHARDS, 4, Emlt, [120, 14], Power { film: 0.01, tile: 0.25 });
+    compare("shards_4_edges", SHARDS, 4, Emlt, [120, 16], Power { film: 0.01, tile: 0.25 });
 }
 
 /// What the comparisons are for: scenes that differ a little from the reference's do not pass.
