@@ -74,7 +74,8 @@ fn furnace_by_path_length() {
     };
     let mut run = Run::new(&context, &data, sizes).unwrap();
     let features = Features::of(&scene);
-    let mut start = Start { features, max_edges: LONGEST, seed: 1, paths, film: FILM, observer: &mut Silent };
+    let mut start =
+        Start { features, max_edges: LONGEST, seed: 1, paths, stride: paths, film: FILM, observer: &mut Silent };
     let strategies = Strategies::uniform(LONGEST, false);
     let (candidates, list) = start.candidates(&mut run, &strategies, CANDIDATES, CANDIDATE_PASS, &mut 0).unwrap();
     let mut worst = f64::INFINITY;
