@@ -27,7 +27,7 @@ pub const GUIDES: u32 = 16;
 
 /// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
 /// instead of splats, and deliberately wrong kernels that the tests must catch.
-pub const PASS_FLAGS: [&str; 11] = [
+pub const PASS_FLAGS: [&str; 12] = [
     "guided",
     "multi_chain",
     "segment",
@@ -39,6 +39,7 @@ pub const PASS_FLAGS: [&str; 11] = [
     "twin_one_sided",
     "twin_id",
     "twin_redraw",
+    "twin_places",
 ];
 
 /// The WGSL text of `variant`. Fails only on a fault of the shader sources, with the composer's words.
@@ -99,7 +100,22 @@ mod tests {
     /// Every combination of features and every flag set that the renderer or its tests use.
     #[test]
     fn every_shader_of_every_feature_set_validates() {
-        let flag_sets: [(&str, &[&[&str]]); 8] = [
+        let flag_sets: [(&str, &[&[&str]]); 9] = [
+            (
+                "bidirectional",
+                &[
+                    &["segment"],
+                    &["segment", "maps"],
+                    &["segment", "guided"],
+                    &["segment", "guided", "maps"],
+                    &["segment", "twin_places"],
+                    &["segment", "guided", "twin_places"],
+                    &["segment", "probe"],
+                    &["segment", "guided", "probe"],
+                    &["segment", "probe", "probe_back"],
+                    &["segment", "guided", "probe", "probe_back"],
+                ],
+            ),
             ("bootstrap", &[&["candidates"], &[]]),
             ("gather", &[&[]]),
             ("weigh", &[&[], &["probe"]]),
