@@ -30,8 +30,9 @@ fn main() -> std::io::Result<()> {
         ("scenes/slit.glb", slit::build()),
         ("scenes/mirrors.glb", mirrors::build()),
         ("scenes/rough_glass.glb", rough_glass::build()),
-        ("scenes/pool.glb", pool::build()),
+        ("scenes/pool.glb", pool::build(0.004)),
         ("tests/scenes/coloured_box.glb", checks::coloured_box()),
+        ("tests/scenes/pool_wide_lamp.glb", pool::build(0.06)),
         ("tests/scenes/furnace.glb", checks::furnace()),
         ("tests/scenes/sphere_over_plane.glb", checks::sphere_over_plane()),
     ];

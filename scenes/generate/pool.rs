@@ -15,12 +15,14 @@ const RIM: f32 = 0.46;
 const WALL: f32 = 0.14;
 const TILE: f32 = 0.16;
 
-pub fn build() -> Document {
+/// With a square lamp of the given side, always of the same power: a wide one makes nearly the same picture, and a path
+/// tracer can make a reference of it.
+pub fn build(lamp_side: f32) -> Document {
     let mut scene = Document::default();
     let grout = scene.material(Material::lambert("grout", [0.62, 0.62, 0.58]));
     let stone = scene.material(Material::lambert("stone", [0.58, 0.50, 0.42]));
     let water = scene.material(Material::glass("water", [0.94, 0.985, 1.0], 1.33));
-    let lamp = scene.material(Material::lamp("lamp", [1.0, 0.90, 0.74], 340_000.0));
+    let lamp = scene.material(Material::lamp("lamp", [1.0, 0.90, 0.74], 5.44 / (lamp_side * lamp_side)));
     let glazes = [[0.16, 0.48, 0.60], [0.30, 0.62, 0.66], [0.10, 0.34, 0.52], [0.80, 0.52, 0.16]]
         .map(|rgb| scene.material(Material::lambert("glaze", rgb)));
 
@@ -62,7 +64,7 @@ pub fn build() -> Document {
     scene.object("water", &waves(96, 72).closed(), water);
 
     // On the camera's side, so that no wave mirrors it into the camera: a glint would be one pixel brighter than all.
-    let half = 0.002;
+    let half = 0.5 * lamp_side;
     let square = quad(Vec3::new(-half, 0.0, -half), Vec3::X * 2.0 * half, Vec3::Z * 2.0 * half);
     scene.object("lamp", &square.at(-0.35, 1.55, 0.55), lamp);
     scene.camera("main", Vec3::new(0.24, 1.62, 1.30), Vec3::new(0.0, 0.16, -0.04), 40.0);
