@@ -27,9 +27,13 @@ pub const GUIDES: u32 = 16;
 
 /// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
 /// instead of splats, and deliberately wrong kernels that the tests must catch.
-pub const PASS_FLAGS: [&str; 12] = [
+pub const PASS_FLAGS: [&str; 16] = [
     "guided",
     "multi_chain",
+    "walk",
+    "kept_weights",
+    "difference",
+    "jump",
     "segment",
     "maps",
     "candidates",
@@ -140,6 +144,19 @@ mod tests {
             (
                 "camera_side",
                 &[
+                    &["walk"],
+                    &["walk", "kept_weights"],
+                    &["difference"],
+                    &["jump"],
+                    &["walk", "probe"],
+                    &["walk", "kept_weights", "probe"],
+                    &["difference", "probe"],
+                    &["jump", "probe"],
+                    &["walk", "probe", "probe_back"],
+                    &["walk", "kept_weights", "probe", "probe_back"],
+                    &["difference", "probe", "probe_back"],
+                    &["jump", "probe", "probe_back"],
+                    &["jump", "twin_one_sided"],
                     &["multi_chain"],
                     &["multi_chain", "maps"],
                     &["multi_chain", "guided"],
