@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use gltf::json;
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::validation::Checked;
 
@@ -34,21 +35,13 @@ struct Strided<'a> {
 impl<'a> Strided<'a> {
     /// `count` elements of `size` bytes from `offset` in a buffer view, checked to lie inside it and its buffer.
     fn new(file: &'a File, view: usize, offset: u64, count: u64, size: usize) -> Result<Self, String> {
-        let Some(json) = file.root.buffer_views.get(view) else {
-            return Err(format!("bufferViews[{view}] does not exist"));
-        };
-        let stride = json.byte_stride.map_or(size, |stride| stride.0);
+        let bytes = file.view(view)?;
+        let stride = file.root.buffer_views[view].byte_stride.map_or(size, |stride| stride.0);
+        let again = |why: String| format!("{why}: export the file again");
         if stride < size {
-            return Err(format!("bufferViews[{view}].byteStride {stride} is less than an element of {size} bytes"));
+            let why = format!("bufferViews[{view}].byteStride {stride} is less than an element of {size} bytes");
+            return Err(again(why));
         }
-        let buffer = file.buffer(json.buffer.value())?;
-        let start = json.byte_offset.map_or(0, |offset| offset.0);
-        let view_end = start.checked_add(json.byte_length.0);
-        let bytes = view_end.and_then(|end| buffer.get(usize::try_from(start).ok()?..usize::try_from(end).ok()?));
-        let Some(bytes) = bytes else {
-            let (buffer_index, have) = (json.buffer.value(), buffer.len());
-            return Err(format!("bufferViews[{view}] reaches beyond buffers[{buffer_index}], which has {have} bytes"));
-        };
         let end = match count.checked_sub(1) {
             None => Some(0),
             Some(last) => {
@@ -56,10 +49,10 @@ impl<'a> Strided<'a> {
             }
         };
         if end.is_none_or(|end| end > bytes.len() as u64) {
-            return Err(format!(
-                "its {count} elements reach beyond bufferViews[{view}], which has {} bytes",
-                bytes.len()
-            ));
+            let have = bytes.len();
+            return Err(again(format!(
+                "its {count} elements reach beyond bufferViews[{view}], which has {have} bytes"
+            )));
         }
         // An empty accessor may start anywhere; nothing of it is read.
         let bytes = bytes.get(offset as usize..).unwrap_or(&[]);
@@ -75,41 +68,35 @@ impl<'a> Strided<'a> {
 impl<'a> Accessor<'a> {
     /// `accessors[index]`, which must be of type `kind` and one of `components`.
     pub fn new(file: &'a File, index: usize, kind: Type, components: &[ComponentType]) -> Result<Self, String> {
-        let path = format!("accessors[{index}]");
-        let again = |why: String| format!("{path}: {why}: export the file again");
-        let json = file.root.accessors.get(index).ok_or_else(|| again("it does not exist".into()))?;
-        let Checked::Valid(component) = json.component_type else {
-            return Err(again("its componentType is unknown".into()));
-        };
-        let component = component.0;
-        if json.type_ != Checked::Valid(kind) || !components.contains(&component) {
-            return Err(again(format!("its type or componentType ({component:?}) is not allowed for this use")));
-        }
+        let (json, component) = checked(file, index, kind, components)?;
+        let path = path(index);
+        let of_path = |why: String| format!("{path}: {why}");
         let size = kind.multiplicity() * component.size();
         let count = json.count.0;
         let base = match json.buffer_view {
             Some(view) => {
                 let offset = json.byte_offset.map_or(0, |offset| offset.0);
-                Some(Strided::new(file, view.value(), offset, count, size).map_err(again)?)
+                Some(Strided::new(file, view.value(), offset, count, size).map_err(of_path)?)
             }
             None => None,
         };
         let mut replaced = HashMap::new();
         if let Some(sparse) = &json.sparse {
             let Checked::Valid(index_component) = sparse.indices.component_type else {
-                return Err(again("its sparse.indices.componentType is unknown".into()));
+                return Err(format!("{path}: its sparse.indices.componentType is unknown: export the file again"));
             };
             let indices_view = sparse.indices.buffer_view.value();
             let values_view = sparse.values.buffer_view.value();
             let (indices_offset, values_offset) = (sparse.indices.byte_offset.0, sparse.values.byte_offset.0);
             let index_size = index_component.0.size();
             let indices =
-                Strided::new(file, indices_view, indices_offset, sparse.count.0, index_size).map_err(again)?;
-            let values = Strided::new(file, values_view, values_offset, sparse.count.0, size).map_err(again)?;
+                Strided::new(file, indices_view, indices_offset, sparse.count.0, index_size).map_err(of_path)?;
+            let values = Strided::new(file, values_view, values_offset, sparse.count.0, size).map_err(of_path)?;
             for i in 0..sparse.count.0 {
                 let index = component_value(index_component.0, indices.element(i)) as u64;
                 if index >= count {
-                    return Err(again(format!("its sparse index {index} is beyond its {count} elements")));
+                    let why = format!("its sparse index {index} is beyond its {count} elements");
+                    return Err(format!("{path}: {why}: export the file again"));
                 }
                 replaced.insert(index, values.element(i));
             }
@@ -141,6 +128,30 @@ impl<'a> Accessor<'a> {
             }
         })
     }
+}
+
+/// Name of an accessor in messages.
+fn path(index: usize) -> String {
+    format!("accessors[{index}]")
+}
+
+/// `accessors[index]` and its component type, if it is of type `kind` and one of `components`.
+fn checked<'a>(
+    file: &'a File,
+    index: usize,
+    kind: Type,
+    components: &[ComponentType],
+) -> Result<(&'a json::Accessor, ComponentType), String> {
+    let again = |why: String| format!("{}: {why}: export the file again", path(index));
+    let json = file.root.accessors.get(index).ok_or_else(|| again("it does not exist".into()))?;
+    let Checked::Valid(component) = json.component_type else {
+        return Err(again("its componentType is unknown".into()));
+    };
+    let component = component.0;
+    if json.type_ != Checked::Valid(kind) || !components.contains(&component) {
+        return Err(again(format!("its type or componentType ({component:?}) is not allowed for this use")));
+    }
+    Ok((json, component))
 }
 
 /// The little-endian number that `bytes` begin with; exact, since f64 holds every one of these types.
