@@ -6,6 +6,7 @@
 mod accessor;
 mod camera;
 mod closed;
+mod draco;
 mod file;
 mod material;
 mod mesh;
@@ -33,10 +34,11 @@ use crate::scene::{Material, Scene};
 /// Most triangles in a scene, so that a small file of many instances cannot fill the memory: 1.4 GiB at worst.
 const MAX_TRIANGLES: u64 = 1 << 24;
 /// Extensions that a file may require: the import either honours them or has a sentence of its own about them.
-const KNOWN: [&str; 14] = [
+const KNOWN: [&str; 15] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -62,10 +64,6 @@ pub fn import(path: &Path) -> crate::Result<Scene> {
     let of_file = |why| Error::input(format!("{} {why}", path.display()));
     let of_element = |why| Error::input(format!("{}: {why}", path.display()));
     let file = File::open(path).map_err(of_file)?;
-    if file.root.extensions_required.iter().any(|name| name == "KHR_draco_mesh_compression") {
-        let why = "needs the glTF extension KHR_draco_mesh_compression, which is not supported: export it without it";
-        return Err(of_file(why.into()));
-    }
     let mut importer = Importer::new(&file);
     importer.scene.name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     for node in nodes::placed(&file).map_err(of_element)? {

@@ -1,8 +1,14 @@
-//! Compressed meshes: EXT_meshopt_compression, whole and damaged.
+//! Compressed meshes: EXT_meshopt_compression and KHR_draco_mesh_compression, whole and damaged.
+
+use draco_core::{
+    DataType, EncoderBuffer, EncoderOptions, FaceIndex, GeometryAttributeType, Mesh, MeshEncoder, PointAttribute,
+    PointIndex,
+};
 
 use super::*;
 
 const MESHOPT: &str = "EXT_meshopt_compression";
+const DRACO: &str = "KHR_draco_mesh_compression";
 
 /// Vertex data by the codec of version 0.
 fn attributes(stride: usize, bytes: &[u8]) -> Vec<u8> {
@@ -158,11 +164,111 @@ fn meshopt_floats_and_strips() {
     assert_eq!(corners(&scene, 0), [SQUARE[0], SQUARE[1], SQUARE[2]].map(|p| Vec3::from_array(p) - 0.5));
 }
 
+/// Vertices of a Draco mesh, with an unused attribute before the others so that their numbers are not their places.
+fn draco(method: i32, bits: Option<i32>) -> Vec<u8> {
+    let mut mesh = Mesh::new();
+    let mut add = |kind, id, components: u8, values: &[f32]| {
+        let mut attribute = PointAttribute::new();
+        attribute.init(kind, components, DataType::Float32, false, values.len() / usize::from(components));
+        attribute.buffer_mut().update_f32s_le(0, values);
+        attribute.set_unique_id(id);
+        mesh.add_attribute_preserve_unique_id(attribute)
+    };
+    add(GeometryAttributeType::Generic, 1, 1, &[5.0; 4]);
+    let normals = TETRAHEDRON.map(|p| (Vec3::from_array(p) - 0.25).normalize().to_array());
+    add(GeometryAttributeType::Generic, 7, 3, normals.as_flattened());
+    let positions = add(GeometryAttributeType::Position, 3, 3, TETRAHEDRON.as_flattened());
+    mesh.set_num_faces(4);
+    for (i, face) in TETRAHEDRON_INDICES.chunks(3).enumerate() {
+        mesh.set_face(FaceIndex(i as u32), [face[0], face[1], face[2]].map(PointIndex));
+    }
+    let mut options = EncoderOptions::new();
+    options.set_encoding_method(method);
+    options.set_compression_level(if bits.is_some() { 10 } else { 5 });
+    if let Some(bits) = bits {
+        options.set_attribute_quantization(positions, bits);
+    }
+    let mut encoder = MeshEncoder::new();
+    encoder.set_mesh(mesh);
+    let mut encoded = EncoderBuffer::new();
+    encoder.encode(&options, &mut encoded).unwrap();
+    encoded.data().to_vec()
+}
+
+/// A tetrahedron in Draco data only.
+fn draco_doc(data: &[u8]) -> Doc {
+    let mut doc = Doc::new();
+    let view = doc.view(data);
+    let vectors = json!({ "componentType": F32, "type": "VEC3", "count": 4 });
+    let positions = doc.push("accessors", vectors.clone());
+    let normals = doc.push("accessors", vectors);
+    let indices = doc.push("accessors", json!({ "componentType": U16, "type": "SCALAR", "count": 12 }));
+    doc.show(json!({ "attributes": { "POSITION": positions, "NORMAL": normals }, "indices": indices,
+        "extensions": { DRACO: { "bufferView": view, "attributes": { "POSITION": 3, "NORMAL": 7 } } } }));
+    doc.json["extensionsRequired"] = json!([DRACO]);
+    doc
+}
+
+/// The triangles' corners in an order that does not depend on how they are stored.
+fn sorted(scene: &Scene) -> Vec<[[i32; 3]; 3]> {
+    let round = |p: Vec3| (p * 1000.0).round().as_ivec3().to_array();
+    let mut triangles: Vec<_> = (0..scene.triangles.len())
+        .map(|t| {
+            let mut corners = corners(scene, t).map(round);
+            let first = (0..3).min_by_key(|i| corners[*i]).unwrap();
+            corners.rotate_left(first);
+            corners
+        })
+        .collect();
+    triangles.sort();
+    triangles
+}
+
+#[test]
+fn draco_primitives_are_decoded() {
+    let mut plain = Doc::new();
+    let (positions, indices) = (plain.vectors(&TETRAHEDRON), plain.indices(&TETRAHEDRON_INDICES));
+    plain.show(json!({ "attributes": { "POSITION": positions }, "indices": indices }));
+    let want = sorted(&plain.scene());
+    // One triangle after the other, and connected; floats as they are, and quantised.
+    for (method, bits) in [(0, None), (0, Some(14)), (1, None), (1, Some(14))] {
+        let mut doc = draco_doc(&draco(method, bits));
+        let scene = doc.scene();
+        assert_eq!((sorted(&scene), scene.positions.len()), (want.clone(), 4), "{method} {bits:?}");
+        assert!(scene.warnings.iter().all(|warning| !warning.contains("extension")), "{:?}", scene.warnings);
+        for (p, n) in scene.positions.iter().zip(&scene.normals) {
+            assert!((*p - 0.25).normalize().dot(*n) > 0.999, "{method} {bits:?}: {p} {n}");
+        }
+        // A strip's indices are another number.
+        doc.json["meshes"][0]["primitives"][0]["mode"] = json!(5);
+        doc.json["accessors"][2]["count"] = json!(6);
+        assert_eq!(sorted(&doc.scene()), want);
+    }
+    // An attribute that is not in the Draco data is read from its accessor.
+    let mut doc = draco_doc(&draco(0, None));
+    let normals = doc.vectors(&[[0.0, 0.0, 1.0]; 4]);
+    doc.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(normals);
+    doc.json["meshes"][0]["primitives"][0]["extensions"][DRACO]["attributes"] = json!({ "POSITION": 3 });
+    assert!(doc.scene().normals.iter().all(|n| *n == Vec3::Z));
+}
+
 #[test]
 fn wrong_compression_is_named() {
+    let draco = draco_doc(&draco(1, Some(14)));
     let meshopt = meshopt();
+    let in_draco = "/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression";
     let in_view = "/bufferViews/0/extensions/EXT_meshopt_compression";
     let cases = [
+        (&draco, in_draco, "/bufferView", json!("x"), "names no bufferView"),
+        (&draco, in_draco, "/bufferView", json!(9), "bufferViews[9] does not exist"),
+        (&draco, in_draco, "/attributes/POSITION", json!(2), "attributes.POSITION 2 is not in the data"),
+        (&draco, in_draco, "/attributes/POSITION", json!(1), "accessors[0]: its Draco data is of another type"),
+        (&draco, "/bufferViews/0", "/byteLength", json!(9), "cannot be decoded from bufferViews[0]"),
+        (&draco, "/accessors/0", "/count", json!(5), "it has 5 elements, but its Draco data has 4"),
+        (&draco, "/accessors/0", "/count", json!(0), "bufferViews[0] (it has more data than the accessors say)"),
+        (&draco, "/accessors/0", "/type", json!("VEC2"), "accessors[0]: its type"),
+        (&draco, "/accessors/2", "/count", json!(9), "bufferViews[0] (it has more data than the accessors say)"),
+        (&draco, "/accessors/2", "/count", json!(15), "has 4 triangles, but its accessors have 5"),
         (&meshopt, in_view, "/buffer", json!(1), "buffers[1] has neither a uri nor a BIN chunk"),
         (&meshopt, in_view, "/buffer", json!(-1), "buffer is not a whole number"),
         (&meshopt, in_view, "/byteOffset", json!("0"), "byteOffset is not a whole number"),
@@ -228,4 +334,12 @@ fn damaged_meshopt_data_never_panics() {
             view["extensions"][MESHOPT]["byteLength"] = json!(whole.min(length as u64));
         }
     });
+}
+
+#[test]
+fn damaged_draco_data_never_panics() {
+    for (method, bits) in [(0, None), (0, Some(14)), (1, None), (1, Some(14))] {
+        let doc = draco_doc(&draco(method, bits));
+        damage(&doc, 3000, |json, length| json["bufferViews"][0]["byteLength"] = json!(length));
+    }
 }

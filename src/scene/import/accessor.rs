@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use draco_core::{AttributeValueIndex, DataType, PointAttribute};
 use gltf::json;
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::validation::Checked;
@@ -30,6 +31,8 @@ struct Strided<'a> {
     bytes: &'a [u8],
     stride: usize,
     size: usize,
+    /// Which element of the bytes each element is, where it is not the same one.
+    rows: Option<&'a [AttributeValueIndex]>,
 }
 
 impl<'a> Strided<'a> {
@@ -56,11 +59,26 @@ impl<'a> Strided<'a> {
         }
         // An empty accessor may start anywhere; nothing of it is read.
         let bytes = bytes.get(offset as usize..).unwrap_or(&[]);
-        Ok(Self { bytes, stride, size })
+        Ok(Self { bytes, stride, size, rows: None })
+    }
+
+    /// The values of `count` vertices in decoded Draco data, `size` bytes each, checked to be there.
+    fn of_draco(attribute: &'a PointAttribute, count: usize, size: usize) -> Option<Self> {
+        let bytes = attribute.buffer().data();
+        let stride = usize::try_from(attribute.byte_stride()).ok().filter(|stride| *stride >= size && size > 0)?;
+        let rows = attribute.explicit_mapping();
+        // Rows that are whole; the last one may lack its padding.
+        let whole = (bytes.len() + (stride - size)) / stride;
+        let fits = match rows {
+            None => count <= whole,
+            Some(rows) => rows.len() >= count && rows.iter().take(count).all(|row| (row.0 as usize) < whole),
+        };
+        fits.then_some(Self { bytes, stride, size, rows })
     }
 
     fn element(&self, index: u64) -> &'a [u8] {
-        let start = index as usize * self.stride;
+        let row = self.rows.map_or(index as usize, |rows| rows[index as usize].0 as usize);
+        let start = row * self.stride;
         &self.bytes[start..start + self.size]
     }
 }
@@ -101,6 +119,41 @@ impl<'a> Accessor<'a> {
                 replaced.insert(index, values.element(i));
             }
         }
+        Ok(Self { count, component, normalized: json.normalized, base, replaced, path })
+    }
+
+    /// The same, but with its elements in decoded Draco data: `attribute`, which covers `count` vertices.
+    pub fn of_draco(
+        file: &'a File,
+        index: usize,
+        kind: Type,
+        components: &[ComponentType],
+        (attribute, count): (&'a PointAttribute, usize),
+    ) -> Result<Self, String> {
+        let (json, _) = checked(file, index, kind, components)?;
+        let path = path(index);
+        let again = |why: &str| format!("{path}: {why}: export the file again");
+        // What the data is made of counts, not what the accessor says of it.
+        let component = match attribute.data_type() {
+            DataType::Int8 => ComponentType::I8,
+            DataType::Uint8 => ComponentType::U8,
+            DataType::Int16 => ComponentType::I16,
+            DataType::Uint16 => ComponentType::U16,
+            DataType::Uint32 => ComponentType::U32,
+            DataType::Float32 => ComponentType::F32,
+            _ => return Err(again("its Draco data is of a type that glTF does not have")),
+        };
+        if usize::from(attribute.num_components()) != kind.multiplicity() || !components.contains(&component) {
+            return Err(again("its Draco data is of another type"));
+        }
+        if json.count.0 != count as u64 {
+            let have = json.count.0;
+            return Err(again(&format!("it has {have} elements, but its Draco data has {count}")));
+        }
+        let size = kind.multiplicity() * component.size();
+        let base = Strided::of_draco(attribute, count, size);
+        let base = Some(base.ok_or_else(|| again("its Draco data does not reach all vertices"))?);
+        let (count, replaced) = (count as u64, HashMap::new());
         Ok(Self { count, component, normalized: json.normalized, base, replaced, path })
     }
 

@@ -6,6 +6,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use base64::Engine;
+use draco_core::Mesh;
 use gltf::json::{self, Root, Value};
 
 /// Parts of the JSON that the renderer does not read. They are dropped before the JSON is typed, so that nothing odd in
@@ -26,6 +27,8 @@ pub struct File {
     buffers: Vec<OnceCell<Vec<u8>>>,
     /// One per buffer view, filled on first use of one that is compressed.
     pub(super) unpacked: Vec<OnceCell<Vec<u8>>>,
+    /// One per buffer view, filled on first use of one that holds Draco data.
+    pub(super) draco_meshes: Vec<OnceCell<Mesh>>,
     /// Bytes that decompression may still take, all of it together.
     pub(super) room: Cell<u64>,
 }
@@ -46,6 +49,7 @@ impl File {
             bin: bin.map(<[u8]>::to_vec),
             buffers: root.buffers.iter().map(|_| OnceCell::new()).collect(),
             unpacked: root.buffer_views.iter().map(|_| OnceCell::new()).collect(),
+            draco_meshes: root.buffer_views.iter().map(|_| OnceCell::new()).collect(),
             room: Cell::new(MAX_UNPACKED),
             root,
         })
