@@ -26,7 +26,6 @@ const AJAR: &str = "scenes/ajar.glb";
 const RING: &str = "scenes/ring.glb";
 const SLIT: &str = "scenes/slit.glb";
 const MIRRORS: &str = "scenes/mirrors.glb";
-const POOL_WIDE_LAMP: &str = "tests/scenes/pool_wide_lamp.glb";
 /// The references' longest paths, in edges.
 const FULL_DEPTH: u32 = 12;
 
@@ -196,12 +195,4 @@ fn long_mirrors_by_mlt() {
 #[ignore = "takes minutes; ./run test --long"]
 fn long_mirrors_by_emlt() {
     compare("mirrors", MIRRORS, FULL_DEPTH, Emlt, [600, 16], Power { film: 0.03, tile: 0.5 });
-}
-
-/// Caustics seen through the water that made them. The pool itself has a lamp too small for any reference by path
-/// tracing.
-#[test]
-#[ignore = "takes minutes; ./run test --long"]
-fn long_pool_wide_lamp_by_pt() {
-    compare("pool_wide_lamp", POOL_WIDE_LAMP, FULL_DEPTH, Pt, [400, 24], Power { film: 0.05, tile: 0.5 });
 }
