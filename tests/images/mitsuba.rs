@@ -98,7 +98,7 @@ fn shards_by_emlt() {
 /// What is under the dome is there only for camera paths that hit the lamp by chance.
 #[test]
 fn ring_by_pt() {
-    compare("ring", RING, FULL_DEPTH, Pt, [40, 24], Power { film: 0.1, tile: 0.6 });
+    compare("ring", RING, FULL_DEPTH, Pt, [40, 24], Power { film: 0.1, tile: 0.8 });
 }
 
 #[test]
