@@ -6,7 +6,6 @@ use wgpu::util::DeviceExt;
 use super::context::Context;
 use super::layout::{MATERIAL_ROWS, SceneUniform};
 use crate::accel;
-use crate::scene::features::DELTA_ALPHA;
 use crate::scene::{Camera, Material, Scene};
 use crate::{Error, Result};
 
@@ -93,17 +92,12 @@ fn encode_octahedral(n: Vec3) -> u32 {
 fn pack_material(m: &Material) -> [[u32; 4]; MATERIAL_ROWS] {
     let reflectance = ((m.ior - 1.0) / (m.ior + 1.0)).powi(2);
     let f0 = (reflectance * m.specular_color).min(Vec3::ONE) * m.specular;
-    let mut alpha = m.roughness * m.roughness;
-    // Rough transmission is rendered smooth, and near-deltas are deltas.
-    if alpha < DELTA_ALPHA || m.transmission > 0.0 {
-        alpha = 0.0;
-    }
     let sides = if m.double_sided { 2.0 } else { 1.0 };
     let thin = if m.thin { 1.0 } else { 0.0 };
     [
         [m.base_color.x, m.base_color.y, m.base_color.z, m.metallic],
         [f0.x, f0.y, f0.z, m.specular],
-        [m.emission.x, m.emission.y, m.emission.z, alpha],
+        [m.emission.x, m.emission.y, m.emission.z, m.alpha()],
         [m.transmission, m.ior, thin, sides],
     ]
     .map(|row| row.map(f32::to_bits))

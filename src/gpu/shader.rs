@@ -114,11 +114,16 @@ mod tests {
                 ],
             ),
         ];
-        for bits in 0..16u32 {
-            let features =
-                Features { glossy: bits & 1 != 0, mirror: bits & 2 != 0, glass: bits & 4 != 0, sky: bits & 8 != 0 };
-            if features.glass && !features.mirror {
-                continue; // glass reflects, so it always brings the mirror class
+        for bits in 0..32u32 {
+            let features = Features {
+                glossy: bits & 1 != 0,
+                mirror: bits & 2 != 0,
+                glass: bits & 4 != 0,
+                rough_glass: bits & 8 != 0,
+                sky: bits & 16 != 0,
+            };
+            if (features.glass && !features.mirror) || (features.rough_glass && !features.glossy) {
+                continue; // glass reflects, so it always brings the reflection of its kind
             }
             for (pass, sets) in flag_sets {
                 for flags in sets {

@@ -11,12 +11,11 @@ pub struct Features {
     pub mirror: bool,
     /// Some material has a delta transmission.
     pub glass: bool,
+    /// Some material has a GGX lobe in transmission.
+    pub rough_glass: bool,
     /// Light comes from a uniform sky, and from nothing else.
     pub sky: bool,
 }
-
-/// Below this GGX alpha (= roughness^2) a lobe is treated as a delta (METHOD.md section 6, item 1).
-pub const DELTA_ALPHA: f32 = 1e-3;
 
 impl Features {
     /// The features that the materials and lights of `scene` use.
@@ -27,17 +26,25 @@ impl Features {
             used[m as usize] = true;
         }
         for (material, _) in scene.materials.iter().zip(&used).filter(|(_, used)| **used) {
-            let smooth = material.roughness * material.roughness < DELTA_ALPHA;
-            let specular = material.metallic > 0.0 || material.specular > 0.0;
-            features.glass |= material.transmission > 0.0;
-            features.mirror |= material.transmission > 0.0 || (specular && smooth);
-            features.glossy |= specular && !smooth && material.transmission < 1.0;
+            let smooth = material.alpha() == 0.0;
+            let transmits = material.transmission > 0.0;
+            let specular = material.metallic > 0.0 || material.specular > 0.0 || transmits;
+            features.glass |= transmits && smooth;
+            features.rough_glass |= transmits && !smooth;
+            features.mirror |= specular && smooth;
+            features.glossy |= specular && !smooth;
         }
         features
     }
 
     /// Every flag with its name, as the shaders call it.
-    pub fn flags(&self) -> [(&'static str, bool); 4] {
-        [("glossy", self.glossy), ("mirror", self.mirror), ("glass", self.glass), ("sky", self.sky)]
+    pub fn flags(&self) -> [(&'static str, bool); 5] {
+        [
+            ("glossy", self.glossy),
+            ("mirror", self.mirror),
+            ("glass", self.glass),
+            ("rough_glass", self.rough_glass),
+            ("sky", self.sky),
+        ]
     }
 }

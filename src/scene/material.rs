@@ -2,6 +2,12 @@
 
 use glam::Vec3;
 
+/// Below this GGX alpha (= roughness^2) a lobe is treated as a delta (METHOD.md section 6, item 1).
+pub const DELTA_ALPHA: f32 = 1e-3;
+/// Solid glass of less index contrast than this deflects nothing, however rough: its boundary is rendered smooth, since
+/// directions on its two sides no longer tell the half-vector.
+pub const DELTA_CONTRAST: f32 = 1e-3;
+
 /// glTF 2.0 metallic-roughness with the extensions the renderer knows. Colours are linear Rec.709.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
@@ -16,7 +22,7 @@ pub struct Material {
     pub specular: f32,
     /// KHR_materials_specular: specularColorFactor.
     pub specular_color: Vec3,
-    /// KHR_materials_transmission: transmissionFactor; smooth glass where above 0.
+    /// KHR_materials_transmission: transmissionFactor; glass where above 0.
     pub transmission: f32,
     /// Transmission without refraction (KHR_materials_volume: thicknessFactor 0).
     pub thin: bool,
@@ -46,6 +52,13 @@ impl Default for Material {
 }
 
 impl Material {
+    /// GGX alpha of the specular lobes (glTF 2.0, appendix B: roughness^2); 0 where they are deltas.
+    pub fn alpha(&self) -> f32 {
+        let alpha = self.roughness * self.roughness;
+        let matched = self.transmission > 0.0 && !self.thin && self.ior - 1.0 < DELTA_CONTRAST;
+        if alpha < DELTA_ALPHA || matched { 0.0 } else { alpha }
+    }
+
     /// Whether triangles of this material are lights.
     pub fn emits(&self) -> bool {
         self.emission.max_element() > 0.0
