@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use crate::ensemble::mix::Mix;
 use crate::film::{Channel, exr, file, png};
 use crate::methods::{self, Budget, Method, Outcome, Settings};
 use crate::report::metadata;
@@ -66,6 +67,10 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 16384, value_parser = parse_ensemble)]
     ensemble: u32,
 
+    /// Kernels with their weights, as in independence=0.1,lens=1 (mlt, emlt); 'emlt info SCENE' lists them
+    #[arg(long, value_name = "NAME=WEIGHT,...")]
+    kernels: Option<String>,
+
     /// Device by a part of its name [default: the fastest kind there is]
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
@@ -93,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for warning in &scene.warnings {
         super::say("warning", warning);
     }
-    let settings = settings(arguments, scene.camera(arguments.camera.as_deref())?);
+    let settings = settings(arguments, scene.camera(arguments.camera.as_deref())?)?;
     let outcome = {
         // Dropped before anything else is printed, which clears the bar.
         let mut progress = Progress::new(arguments.quiet);
@@ -146,9 +151,9 @@ fn outputs(arguments: &Arguments) -> Result<Outputs> {
     Ok(Outputs { png: exr.with_extension("png"), maps, exr })
 }
 
-fn settings(arguments: &Arguments, camera: &Camera) -> Settings {
+fn settings(arguments: &Arguments, camera: &Camera) -> Result<Settings> {
     let (width, height) = arguments.size.unwrap_or_else(|| default_size(camera.aspect));
-    Settings {
+    Ok(Settings {
         method: arguments.method,
         width,
         height,
@@ -160,9 +165,10 @@ fn settings(arguments: &Arguments, camera: &Camera) -> Settings {
         max_depth: arguments.max_depth,
         camera: arguments.camera.clone(),
         ensemble: arguments.ensemble,
+        kernels: arguments.kernels.as_deref().map(Mix::parse).transpose()?,
         maps: arguments.maps,
         device: arguments.device.clone(),
-    }
+    })
 }
 
 fn default_size(aspect: Option<f32>) -> (u32, u32) {
@@ -232,13 +238,14 @@ mod tests {
 
     #[test]
     fn no_flags_give_the_default_settings() {
-        assert_eq!(settings(&arguments("a.glb"), &camera(None)), Settings::default());
+        let settings = settings(&arguments("a.glb"), &camera(None)).unwrap();
+        assert_eq!(format!("{settings:?}"), format!("{:?}", Settings::default()));
     }
 
     #[test]
     fn the_size_follows_the_camera_unless_given() {
         let size = |words, aspect| {
-            let settings = settings(&arguments(words), &camera(aspect));
+            let settings = settings(&arguments(words), &camera(aspect)).unwrap();
             (settings.width, settings.height)
         };
         assert_eq!(size("a.glb", Some(16.0 / 9.0)), (853, 480));

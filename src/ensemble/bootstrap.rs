@@ -80,6 +80,8 @@ pub struct Start<'s> {
     pub seed: u32,
     /// Paths in the ensemble, both halves.
     pub paths: u32,
+    /// Columns of the chains, at least as many.
+    pub stride: u32,
     pub film: [u32; 2],
     pub observer: &'s mut dyn Observer,
 }
@@ -135,7 +137,7 @@ impl Start<'_> {
                 (first..first + entries).flat_map(|i| [list[i as usize][0], list[i as usize][1], i]).collect();
             run.set_lists(&words);
             let uniform =
-                PassUniform { entries, pass_index, seed: self.seed, stride: self.paths, ..Default::default() };
+                PassUniform { entries, pass_index, seed: self.seed, stride: self.stride, ..Default::default() };
             run.submit(&[Dispatch { variant: variant.clone(), uniform }])?;
             let bytes = run.read(Buffer::Output, 0..16 * u64::from(entries))?;
             candidates.extend_from_slice(bytemuck::cast_slice(&bytes));
@@ -189,7 +191,7 @@ impl Start<'_> {
             entries: chosen.len() as u32,
             pass_index: CANDIDATE_PASS,
             seed: self.seed,
-            stride: self.paths,
+            stride: self.stride,
             ..Default::default()
         };
         run.submit(&[Dispatch { variant, uniform }])

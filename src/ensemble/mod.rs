@@ -1,8 +1,10 @@
 //! The ensemble: its start, its pool of guides, its sweeps.
 
 pub mod bootstrap;
+pub mod mix;
 pub mod pool;
 pub mod similarity;
 pub mod strategies;
 pub mod sweep;
 mod type_key;
+mod work;

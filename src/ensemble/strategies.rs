@@ -1,11 +1,20 @@
 //! The probabilities with which the independence kernel draws a path's edges and its light-side vertices.
+//!
+//! One strategy leaves the edges open: the [`WALK`] goes from the camera until it meets a light. Light that only such
+//! paths can find (through glass, from a diffuse surface, through glass) comes at any length from one walk, where
+//! strategies of fixed length would find each length apart, and so rarely that a start misses most of them.
 
 use crate::gpu::layout::{STRATEGY_COLUMNS, STRATEGY_ENTRIES};
 
 /// Share of probability that stays spread evenly, so that no strategy's paths can be missed.
 const DEFENSIVE_SHARE: f64 = 0.1;
 
-/// P(edges k, light-side vertices s) for k = 1 .. max_edges and s = 0 .. k, fixed before the run.
+/// The strategy that walks from the camera to the first light; edges 0 stand for "as many as it takes".
+pub const WALK: [u32; 2] = [0, 0];
+/// Share of the walk before anything is known.
+const WALK_SHARE: f64 = 0.25;
+
+/// P(edges k, light-side vertices s) for the walk, k = 1 .. max_edges and s = 0 .. k, fixed before the run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Strategies {
     /// Pairs (k, s) that can make a path, with their probabilities.
@@ -15,14 +24,14 @@ pub struct Strategies {
 }
 
 impl Strategies {
-    /// Every length alike, and every split of it. Under a sky, light subpaths are not traced: s is 0 or 1.
+    /// A quarter for the walk; then every length alike, and every split of it. Under a sky, light subpaths are not traced: s is 0 or 1.
     pub fn uniform(max_edges: u32, sky: bool) -> Self {
-        let mut entries = Vec::new();
+        let mut entries = vec![(WALK, WALK_SHARE)];
         for k in 1..=max_edges {
             // A sky does not connect to the pinhole (s = k = 1): its directions would all be delta events there.
             let last = if sky { (k - 1).min(1) } else { k };
             for s in 0..=last {
-                entries.push(([k, s], 1.0 / (f64::from(max_edges) * f64::from(last + 1))));
+                entries.push(([k, s], (1.0 - WALK_SHARE) / (f64::from(max_edges) * f64::from(last + 1))));
             }
         }
         Self::from_entries(entries)

@@ -1,11 +1,13 @@
 //! Half-sweeps: one half of the ensemble moves while the other is frozen and guides it (METHOD.md 3.1, 3.7).
 //!
-//! A half-sweep is one independence mutation of every path, then a fixed number of passes in which types do not change
-//! and the dispatch lists are sorted by type. Paths that a pass's kernel does not apply to rest with their weight (C6a).
+//! A half-sweep is first structural mutations of every path, then a fixed number of passes in which types do not change
+//! and the dispatch lists are sorted by type. Paths that no kernel applies to rest with their weight (C6a).
 
 use super::bootstrap::{Bootstrap, Mean};
+use super::mix::{HALF_SWEEP, Mix};
 use super::pool::{Pool, TypeKey};
 use super::similarity::similarity_median;
+use super::work::Work;
 use crate::gpu::layout::{
     COUNTER_ACCEPTED, COUNTER_JUMP_HIGH, COUNTER_JUMP_LOW, COUNTER_NON_FINITE, COUNTER_RAYS, COUNTER_WORDS, JUMP_SCALE,
     PassUniform, ROW_KEY, guide_rows, row_guide, unpack_position,
@@ -13,7 +15,6 @@ use crate::gpu::layout::{
 use crate::gpu::run::{Buffer, Dispatch, Run};
 use crate::gpu::shader::{GUIDES, Variant};
 use crate::kernels::guided_lens::SIMILARITY_RADIUS;
-use crate::kernels::{Kernel, independence};
 use crate::reference::rng;
 use crate::report::statistics::KernelStatistics;
 use crate::scene::Features;
@@ -21,30 +22,6 @@ use crate::{Error, Result};
 
 /// Dimension block from which the host draws the independence kernel's strategy.
 const DIMENSION_STRATEGY: u32 = 0xffff;
-
-/// What a sampler is made of: the perturbations of one half-sweep, in order.
-#[derive(Debug, Clone)]
-pub struct Mix {
-    pub passes: Vec<&'static Kernel>,
-}
-
-impl Mix {
-    /// Every kernel once, the independence kernel first.
-    pub fn kernels(&self) -> Vec<&'static Kernel> {
-        let mut kernels = vec![&independence::KERNEL];
-        for pass in &self.passes {
-            if !kernels.iter().any(|k| k.name == pass.name) {
-                kernels.push(pass);
-            }
-        }
-        kernels
-    }
-
-    /// Whether any kernel reads the complementary ensemble.
-    pub fn guided(&self) -> bool {
-        self.passes.iter().any(|k| k.guided)
-    }
-}
 
 /// What the shaders of a run are compiled for, besides the kernel.
 #[derive(Debug, Clone, Copy)]
@@ -69,7 +46,7 @@ impl Build {
 
     /// All pipelines of a mix.
     pub fn variants(&self, mix: &Mix) -> Vec<Variant> {
-        let mut variants: Vec<Variant> = mix.kernels().iter().map(|k| self.variant(k.pass, k.flags)).collect();
+        let mut variants: Vec<Variant> = mix.kernels().map(|k| self.variant(k.pass, k.flags)).collect();
         variants.push(self.variant("weigh", &[]));
         variants.push(self.variant("rest", &[]));
         if mix.guided() {
@@ -110,15 +87,19 @@ pub struct Ensemble {
     moving: usize,
     /// Global pass counter; keys every random number together with the path index.
     pass_index: u32,
+    /// One a kernel of the mix.
     tallies: Vec<Tally>,
+    /// Mutations of paths that no kernel applied to.
+    rests: u64,
     /// Proposals of the independence kernel: further samples of b.
     proposals: Mean,
 }
 
 /// Words of the lists that a run over `paths` paths needs: dispatch lists and nodes, or a batch of candidates.
 pub fn list_words(paths: u32, bootstrap_batch: u32) -> u64 {
-    let half = u64::from(paths) / 2;
-    (half * 4).max(3 * u64::from(bootstrap_batch.max(paths)))
+    // At worst every pass has lists of its own, two words a path, and every path a node of its own.
+    let perturbation = u64::from(paths) * u64::from(HALF_SWEEP + 1);
+    perturbation.max(3 * u64::from(bootstrap_batch.max(paths)))
 }
 
 impl Ensemble {
@@ -134,6 +115,7 @@ impl Ensemble {
             moving: 0,
             pass_index: 0,
             tallies,
+            rests: 0,
             proposals: Mean::default(),
         };
         for half in 0..2 {
@@ -152,23 +134,23 @@ impl Ensemble {
         half as u32 * self.half_paths()
     }
 
-    /// Mutations that one half-sweep adds to the image.
-    pub fn mutations_per_half_sweep(&self) -> u64 {
-        u64::from(self.half_paths()) * (1 + self.mix.passes.len() as u64)
-    }
-
     /// Mutations so far; each put weight 1 on the film.
     pub fn mutations(&self) -> u64 {
-        self.tallies.iter().map(|t| t.mutations).sum()
+        self.rests + self.tallies.iter().map(|t| t.mutations).sum::<u64>()
     }
 
     /// Moves one half, then swaps the halves' parts.
     pub fn half_sweep(&mut self, run: &mut Run) -> Result<()> {
         let half = self.moving;
-        self.structural(run, half)?;
-        let rows = self.read_key_rows(run, half)?;
-        for row in &rows {
-            self.proposals.add(f64::from(f32::from_bits(row[3])).exp());
+        let mut rows = Vec::new();
+        for kernel in 0..self.tallies.len() {
+            for _ in 0..self.mix.structural_passes(kernel) {
+                self.independence(run, half, kernel)?;
+                rows = self.read_key_rows(run, half)?;
+                for row in &rows {
+                    self.proposals.add(f64::from(f32::from_bits(row[3])).exp());
+                }
+            }
         }
         self.halves[half].pool = self.pool_of(&rows, half)?;
         self.perturb(run, half)?;
@@ -179,7 +161,7 @@ impl Ensemble {
     }
 
     /// The independence mutation: log w of every path, then the proposals, sorted by what they draw.
-    fn structural(&mut self, run: &mut Run, half: usize) -> Result<()> {
+    fn independence(&mut self, run: &mut Run, half: usize, kernel: usize) -> Result<()> {
         let first = self.first_path(half);
         let mut entries: Vec<[u32; 2]> = (first..first + self.half_paths())
             .map(|path| {
@@ -191,10 +173,15 @@ impl Ensemble {
             .collect();
         entries.sort_by_key(|e| (e[1] & 0xffff, e[1] >> 16));
         run.set_lists(bytemuck::cast_slice(&entries));
-        let uniform = PassUniform { pass_index: self.pass_index, entries: self.half_paths(), ..self.build.uniform() };
+        let uniform = PassUniform {
+            pass_index: self.pass_index,
+            entries: self.half_paths(),
+            counters_offset: (kernel * COUNTER_WORDS) as u32,
+            ..self.build.uniform()
+        };
         let dispatches =
             ["weigh", "independence"].map(|pass| Dispatch { variant: self.build.variant(pass, &[]), uniform });
-        self.tallies[0].mutations += u64::from(self.half_paths());
+        self.tallies[kernel].mutations += u64::from(self.half_paths());
         self.pass_index += 1;
         run.submit(&dispatches)
     }
@@ -202,52 +189,45 @@ impl Ensemble {
     /// The type-keeping passes.
     fn perturb(&mut self, run: &mut Run, half: usize) -> Result<()> {
         let guides = &self.halves[1 - half];
-        let kernels = self.mix.kernels();
-        // All perturbations so far apply to the same types, so one list serves them all.
-        let applies = self.mix.passes.first().map(|k| k.applies);
-        let list = self.halves[half].pool.dispatch_list(|key| applies.is_some_and(|f| f(key)), &guides.pool);
-        let mut words: Vec<u32> = list.entries.iter().flatten().copied().collect();
-        let idle_offset = words.len() as u32;
-        words.extend(list.idle.iter().flat_map(|&path| [path, 0]));
-        let nodes_offset = words.len() as u32;
-        words.extend(list.nodes.iter().flatten());
-        run.set_lists(&words);
-
+        let work = Work::new(&self.halves[half].pool, &guides.pool, &self.mix, self.build.features);
+        run.set_lists(&work.words);
         let base = PassUniform {
-            nodes_offset,
+            nodes_offset: work.nodes_offset,
             guides_first: self.first_path(1 - half),
             similarity_median: guides.similarity_median,
             similarity_scale: 1.0 / (SIMILARITY_RADIUS * SIMILARITY_RADIUS),
             ..self.build.uniform()
         };
-        let mut dispatches = Vec::with_capacity(self.mix.passes.len() + 1);
-        for kernel in &self.mix.passes {
-            let index = kernels.iter().position(|k| k.name == kernel.name).expect("listed above");
-            if !list.entries.is_empty() {
+        let kernels: Vec<_> = self.mix.kernels().collect();
+        let mut dispatches = Vec::new();
+        for pass in &work.passes {
+            for &(kernel, list) in pass {
                 dispatches.push(Dispatch {
-                    variant: self.build.variant(kernel.pass, kernel.flags),
+                    variant: self.build.variant(kernels[kernel].pass, kernels[kernel].flags),
                     uniform: PassUniform {
                         pass_index: self.pass_index,
-                        entries: list.entries.len() as u32,
-                        counters_offset: (index * COUNTER_WORDS) as u32,
+                        entries: list.count,
+                        entries_offset: list.offset,
+                        counters_offset: (kernel * COUNTER_WORDS) as u32,
                         ..base
                     },
                 });
+                self.tallies[kernel].mutations += u64::from(list.count);
             }
-            self.tallies[index].mutations += u64::from(self.half_paths());
             self.pass_index += 1;
         }
-        if !list.idle.is_empty() && !self.mix.passes.is_empty() {
+        if work.idle.count > 0 {
             dispatches.push(Dispatch {
                 variant: self.build.variant("rest", &[]),
                 uniform: PassUniform {
                     pass_index: self.pass_index,
-                    entries: list.idle.len() as u32,
-                    entries_offset: idle_offset,
-                    weight: self.mix.passes.len() as f32,
+                    entries: work.idle.count,
+                    entries_offset: work.idle.offset,
+                    weight: self.mix.perturbation_passes() as f32,
                     ..base
                 },
             });
+            self.rests += u64::from(work.idle.count) * u64::from(self.mix.perturbation_passes());
         }
         self.pass_index += 1;
         run.submit(&dispatches)
@@ -332,9 +312,9 @@ impl Ensemble {
 
     /// Counts per kernel.
     pub fn kernel_statistics(&self) -> Vec<KernelStatistics> {
-        self.mix
+        let mut statistics: Vec<KernelStatistics> = self
+            .mix
             .kernels()
-            .iter()
             .zip(&self.tallies)
             .map(|(kernel, tally)| KernelStatistics {
                 name: kernel.name.into(),
@@ -343,6 +323,11 @@ impl Ensemble {
                 non_finite: tally.non_finite,
                 mean_squared_jump_px2: tally.jump_px2 / tally.mutations.max(1) as f64,
             })
-            .collect()
+            .collect();
+        if self.rests > 0 {
+            let name = "(none applies)".into();
+            statistics.push(KernelStatistics { name, mutations: self.rests, ..Default::default() });
+        }
+        statistics
     }
 }

@@ -37,7 +37,7 @@ pub struct PassUniform {
     pub similarity_scale: f32,
     pub weight: f32,
     pub counters_offset: u32,
-    pub padding: u32,
+    pub origins: u32,
 }
 
 /// Columns of the strategy table: light-side vertices 0 .. 31.
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn structs_agree_with_the_shaders() {
-        let lens = module("lens");
+        let lens = module("camera_side");
         same_layout!(
             &lens,
             SceneUniform,
@@ -157,7 +157,7 @@ mod tests {
             similarity_scale,
             weight,
             counters_offset,
-            padding,
+            origins,
         );
         let (_, span) = struct_of(&module("weigh"), "StrategyUniform");
         assert_eq!(span as usize, 4 * STRATEGY_ENTRIES);
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn constants_agree_with_the_shaders() {
-        let lens = module("lens");
+        let lens = module("camera_side");
         let value = |name: &str| {
             let (_, c) = lens
                 .constants

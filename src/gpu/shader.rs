@@ -27,8 +27,19 @@ pub const GUIDES: u32 = 16;
 
 /// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
 /// instead of splats, and deliberately wrong kernels that the tests must catch.
-pub const PASS_FLAGS: [&str; 9] =
-    ["guided", "maps", "candidates", "probe", "probe_back", "probe_still", "twin_one_sided", "twin_id", "twin_redraw"];
+pub const PASS_FLAGS: [&str; 11] = [
+    "guided",
+    "multi_chain",
+    "segment",
+    "maps",
+    "candidates",
+    "probe",
+    "probe_back",
+    "probe_still",
+    "twin_one_sided",
+    "twin_id",
+    "twin_redraw",
+];
 
 /// The WGSL text of `variant`. Fails only on a fault of the shader sources, with the composer's words.
 pub fn compose(variant: &Variant) -> Result<String, String> {
@@ -88,7 +99,7 @@ mod tests {
     /// Every combination of features and every flag set that the renderer or its tests use.
     #[test]
     fn every_shader_of_every_feature_set_validates() {
-        let flag_sets: [(&str, &[&[&str]]); 7] = [
+        let flag_sets: [(&str, &[&[&str]]); 8] = [
             ("bootstrap", &[&["candidates"], &[]]),
             ("gather", &[&[]]),
             ("weigh", &[&[], &["probe"]]),
@@ -96,8 +107,33 @@ mod tests {
             ("rest", &[&[], &["maps"]]),
             ("path_trace", &[&[]]),
             (
-                "lens",
+                "light_side",
                 &[
+                    &[],
+                    &["maps"],
+                    &["guided"],
+                    &["guided", "maps"],
+                    &["probe"],
+                    &["probe", "guided"],
+                    &["probe", "probe_back"],
+                    &["probe", "guided", "probe_back"],
+                    &["probe", "probe_still"],
+                    &["guided", "twin_one_sided"],
+                ],
+            ),
+            (
+                "camera_side",
+                &[
+                    &["multi_chain"],
+                    &["multi_chain", "maps"],
+                    &["multi_chain", "guided"],
+                    &["multi_chain", "guided", "maps"],
+                    &["multi_chain", "probe"],
+                    &["multi_chain", "probe", "guided"],
+                    &["multi_chain", "probe", "probe_back"],
+                    &["multi_chain", "probe", "guided", "probe_back"],
+                    &["multi_chain", "probe", "probe_still"],
+                    &["multi_chain", "guided", "twin_one_sided"],
                     &[],
                     &["maps"],
                     &["guided"],

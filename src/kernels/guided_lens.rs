@@ -1,11 +1,19 @@
 //! Guided lens perturbation: a step whose covariance comes from similar paths of the complementary ensemble
 //! (METHOD.md 3.4, variant V2; our design over the supplement's frame).
 
-use super::{Kernel, lens};
+use super::{Family, Kernel, lens, never_useless};
 
 /// Applies where the lens perturbation does.
-pub const KERNEL: Kernel =
-    Kernel { name: "guided lens", pass: "lens", flags: &["guided"], applies: lens::applies, guided: true };
+pub const KERNEL: Kernel = Kernel {
+    name: "guided-lens",
+    about: "a step on the film, shaped by similar paths of the other half",
+    pass: "camera_side",
+    flags: &["guided"],
+    family: Family::CameraSide,
+    applies: lens::applies,
+    useless: never_useless,
+    guided: true,
+};
 
 /// Similarity bandwidth h as a fraction of the scene's bounding radius (METHOD.md 3.3).
 pub const SIMILARITY_RADIUS: f32 = 0.2;

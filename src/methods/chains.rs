@@ -4,25 +4,31 @@ use std::time::Instant;
 
 use super::{Budget, Method, Observer, Outcome, Settings};
 use crate::ensemble::bootstrap::{self, BATCH, Start};
-use crate::ensemble::sweep::{Build, Ensemble, Mix, list_words};
+use crate::ensemble::mix::Mix;
+use crate::ensemble::sweep::{Build, Ensemble, list_words};
 use crate::film::{Channel, Image};
 use crate::gpu::context::Context;
 use crate::gpu::layout::{COUNTER_WORDS, FILM_SCALE, chain_rows};
 use crate::gpu::run::{Buffer, Run, Sizes};
 use crate::gpu::scene::SceneData;
-use crate::kernels::{guided_lens, lens};
+use crate::kernels::{
+    Kernel, caustic, guided_caustic, guided_lens, guided_multi_chain, independence, lens, multi_chain,
+};
 use crate::report::statistics::Statistics;
 use crate::scene::Features;
 
-/// Perturbation passes after each structural one.
-const PERTURBATIONS: usize = 9;
-
-/// The mix of a method: guided and isotropic steps in turn, a fixed rota that knows nothing of the states.
-pub fn mix(method: Method) -> Mix {
-    let guided = method == Method::Emlt;
-    let passes =
-        (0..PERTURBATIONS).map(|i| if guided && i % 2 == 0 { &guided_lens::KERNEL } else { &lens::KERNEL }).collect();
-    Mix { passes }
+/// The kernels of a method with their weights (docs/kernels.md says how they were chosen).
+pub fn default_mix(method: Method) -> Vec<(&'static Kernel, f64)> {
+    let mut weights =
+        vec![(&independence::KERNEL, 0.1), (&lens::KERNEL, 1.0), (&multi_chain::KERNEL, 1.0), (&caustic::KERNEL, 1.0)];
+    if method == Method::Emlt {
+        weights.extend([
+            (&guided_lens::KERNEL, 1.0),
+            (&guided_multi_chain::KERNEL, 1.0),
+            (&guided_caustic::KERNEL, 1.0),
+        ]);
+    }
+    weights
 }
 
 pub(super) fn render(
@@ -35,7 +41,8 @@ pub(super) fn render(
 ) -> crate::Result<Outcome> {
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     let channels = if settings.maps { 5 } else { 3 };
-    let mix = mix(settings.method);
+    let weights = settings.kernels.clone().unwrap_or_else(|| default_mix(settings.method));
+    let mix = Mix::new(&weights, features);
     let build = Build {
         features,
         max_edges: settings.max_depth,
@@ -69,6 +76,7 @@ pub(super) fn render(
         max_edges: settings.max_depth,
         seed: settings.seed,
         paths: settings.ensemble,
+        stride: settings.ensemble,
         film: [settings.width, settings.height],
         observer,
     }

@@ -8,9 +8,11 @@ use std::time::Instant;
 use crate::film::{Channel, Image};
 use crate::gpu::context::Context;
 use crate::gpu::scene::SceneData;
+use crate::kernels::Kernel;
 pub use crate::report::observer::{Observer, Silent};
 use crate::report::statistics::Statistics;
 use crate::scene::{Features, Scene};
+pub use chains::default_mix;
 
 /// Which mix of parts renders the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, clap::ValueEnum)]
@@ -44,7 +46,7 @@ pub enum Budget {
 }
 
 /// What the user asked for.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Settings {
     pub method: Method,
     pub width: u32,
@@ -57,6 +59,8 @@ pub struct Settings {
     pub camera: Option<String>,
     /// Paths in the ensemble: both halves together.
     pub ensemble: u32,
+    /// Kernels with their weights (mlt, emlt); the method's own mix without.
+    pub kernels: Option<Vec<(&'static Kernel, f64)>>,
     /// Accumulate the mutation-direction maps (mlt, emlt).
     pub maps: bool,
     /// Part of a device's name; the best one without.
@@ -74,6 +78,7 @@ impl Default for Settings {
             max_depth: 12,
             camera: None,
             ensemble: 16384,
+            kernels: None,
             maps: false,
             device: None,
         }

@@ -6,20 +6,22 @@ use emlt::ensemble::bootstrap::{BATCH, Bootstrap, Candidate, Start};
 use emlt::ensemble::pool::{Pool, TypeKey};
 use emlt::ensemble::sweep::list_words;
 use emlt::gpu::context::Context;
-use emlt::gpu::layout::{COUNTER_WORDS, PassUniform, ROW_KEY, ROW_PIXEL, chain_rows};
+use emlt::gpu::layout::{COUNTER_WORDS, PassUniform, ROW_KEY, ROW_PIXEL, chain_rows, row_guide};
 use emlt::gpu::run::{Buffer, Dispatch, Run, Sizes};
 use emlt::gpu::scene::SceneData;
 use emlt::gpu::shader::Variant;
+use emlt::kernels::Kernel;
 use emlt::kernels::guided_lens::SIMILARITY_RADIUS;
-use emlt::kernels::{Kernel, lens};
 use emlt::methods::Silent;
 use emlt::scene::{Features, import::import};
 
 pub const FILM: [u32; 2] = [64, 48];
 pub const MAX_EDGES: u32 = 8;
-/// Paths in the ensemble; the first half moves, the second half guides.
+/// Paths in the ensemble: the first HALF move, the second guide.
 pub const PATHS: u32 = 1 << 17;
 pub const HALF: u32 = PATHS / 2;
+/// Columns of the chains: behind the paths, HALF more in which to keep where paths came from.
+pub const COLUMNS: u32 = PATHS + HALF;
 
 /// Whose pool guides the moving half: the other half's, or (wrongly) its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,7 +56,7 @@ impl<'a> Bench<'a> {
         let data = SceneData::new(&scene, camera, FILM[0], FILM[1]).unwrap();
         let features = Features::of(&scene);
         let sizes = Sizes {
-            chains: 16 * chain_rows(MAX_EDGES) as u64 * u64::from(PATHS),
+            chains: 16 * chain_rows(MAX_EDGES) as u64 * u64::from(COLUMNS),
             lists: 4 * list_words(PATHS, BATCH),
             output: 16 * u64::from(PATHS),
             counters: 4 * COUNTER_WORDS as u64,
@@ -68,7 +70,7 @@ impl<'a> Bench<'a> {
 
     /// A row of the chains, for `count` paths from `first` on.
     pub fn rows(&mut self, row: usize, first: u32, count: u32) -> Vec<[u32; 4]> {
-        let start = 16 * (row as u64 * u64::from(PATHS) + u64::from(first));
+        let start = 16 * (row as u64 * u64::from(COLUMNS) + u64::from(first));
         let bytes = self.run.read(Buffer::Chains, start..start + 16 * u64::from(count)).unwrap();
         bytemuck::cast_slice(&bytes).to_vec()
     }
@@ -85,11 +87,30 @@ impl<'a> Bench<'a> {
         Pool::build(&self.keys(first, count), first)
     }
 
-    /// Sets the dispatch list of the lens kernels over the first `count` paths; returns what the dispatches need.
-    pub fn list(&mut self, count: u32, guides: Guides) -> (PassUniform, Vec<u32>) {
+    /// Brings what kernels on the camera's side leave stale up to date, for the first HALF paths.
+    pub fn refresh(&mut self) {
+        let entries: Vec<u32> = (0..HALF).flat_map(|path| [path, 0]).collect();
+        self.run.set_lists(&entries);
+        let variant = Variant { pass: "weigh", features: self.features, max_edges: MAX_EDGES, flags: vec![] };
+        let uniform = PassUniform { stride: COLUMNS, entries: HALF, ..Default::default() };
+        self.run.submit(&[Dispatch { variant, uniform }]).unwrap();
+    }
+
+    /// Keeps the first HALF paths where a probing pass finds the way back to them.
+    pub fn keep_origins(&mut self) {
+        for row in 0..row_guide(MAX_EDGES) {
+            let rows = self.rows(row, 0, HALF);
+            let offset = 16 * (row as u64 * u64::from(COLUMNS) + u64::from(PATHS));
+            self.run.set_chains(offset, bytemuck::cast_slice(&rows));
+        }
+    }
+
+    /// Sets the dispatch list of `kernel` over the first `count` paths; returns what the dispatches need.
+    pub fn list(&mut self, kernel: &Kernel, count: u32, guides: Guides) -> (PassUniform, Vec<u32>) {
+        let features = self.features;
         let moving = self.pool(0, count);
         let guides = if guides == Guides::Own { &moving } else { &self.guides };
-        let list = moving.dispatch_list(lens::applies, guides);
+        let list = moving.dispatch_list(|key| (kernel.applies)(key, features), guides);
         let mut words: Vec<u32> = list.entries.iter().flatten().copied().collect();
         let nodes_offset = words.len() as u32;
         words.extend(list.nodes.iter().flatten());
@@ -98,16 +119,17 @@ impl<'a> Bench<'a> {
         let order: Vec<u32> = guides.order.iter().flat_map(|&path| [path, 0]).collect();
         self.run.set_lists(&order);
         let gather =
-            PassUniform { stride: PATHS, entries: guides.order.len() as u32, guides_first, ..Default::default() };
+            PassUniform { stride: COLUMNS, entries: guides.order.len() as u32, guides_first, ..Default::default() };
         let variant = Variant { pass: "gather", features: self.features, max_edges: MAX_EDGES, flags: vec![] };
         self.run.submit(&[Dispatch { variant, uniform: gather }]).unwrap();
         self.run.set_lists(&words);
         let uniform = PassUniform {
             seed: 77,
-            stride: PATHS,
+            stride: COLUMNS,
             entries: list.entries.len() as u32,
             nodes_offset,
             guides_first,
+            origins: PATHS,
             similarity_median: -8.0,
             similarity_scale: 1.0 / (SIMILARITY_RADIUS * SIMILARITY_RADIUS),
             ..Default::default()
@@ -157,5 +179,5 @@ impl<'a> Bench<'a> {
 }
 
 fn start(features: Features, seed: u32, observer: &mut Silent) -> Start<'_> {
-    Start { features, max_edges: MAX_EDGES, seed, paths: PATHS, film: FILM, observer }
+    Start { features, max_edges: MAX_EDGES, seed, paths: PATHS, stride: COLUMNS, film: FILM, observer }
 }

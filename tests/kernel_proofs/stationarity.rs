@@ -11,6 +11,8 @@ use emlt::kernels::Kernel;
 const TILE: u32 = 4;
 
 pub struct Verdict {
+    /// How many the kernel applied to.
+    pub chains: usize,
     pub worst: f64,
     pub bins: usize,
     /// Sum of z^2 over its expectation: near 1 for an exact kernel.
@@ -26,8 +28,8 @@ fn ring(p: [f32; 2]) -> usize {
     RINGS.iter().position(|r| distance < *r).unwrap_or(RINGS.len())
 }
 
-/// Largest |z| over tiles x lengths and over rings, from at least `chains` chains.
-pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps: u32, chains: usize) -> Verdict {
+/// Largest |z| over tiles x lengths and over rings, from `rounds` times 131,072 candidates.
+pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps: u32, rounds: u32) -> Verdict {
     let columns = FILM[0] / TILE;
     let tiles = (columns * (FILM[1] / TILE)) as usize;
     let rings = tiles * MAX_EDGES as usize;
@@ -40,20 +42,18 @@ pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps
     let mut sum = vec![0.0f64; bins];
     let mut squares = vec![0.0f64; bins];
     let mut touched = vec![0usize; bins];
-    let mut n = 0usize;
-    let mut seed = 1000;
-    while n < chains {
-        seed += 1;
+    let mut chains = 0usize;
+    for seed in 1001..1001 + rounds {
         let (candidates, strategies) = bench.candidates(1 << 17, seed);
         let lit: Vec<u32> = (0..candidates.len() as u32).filter(|i| candidates[*i as usize].weight() > 0.0).collect();
-        for chunk in lit.chunks(HALF as usize) {
+        for (chunk_number, chunk) in lit.chunks(HALF as usize).enumerate() {
             let count = chunk.len() as u32;
             bench.fill(seed, &strategies, chunk);
             let keys = bench.keys(0, count);
             let before = bench.pixels(count);
-            let (uniform, _) = bench.list(count, Guides::Other);
+            let (uniform, moved) = bench.list(kernel, count, Guides::Other);
             // Pass indices of their own for every chunk: no random number is used twice.
-            let first = seed * 1024 + (n as u32 % 7) * 64;
+            let first = seed * 1024 + chunk_number as u32 * 64;
             bench.passes(kernel, flags, uniform, first..first + steps);
             let after = bench.pixels(count);
             for (i, &candidate) in chunk.iter().enumerate() {
@@ -71,10 +71,10 @@ pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps
                     }
                 }
             }
-            n += chunk.len();
+            chains += moved.len();
         }
     }
-    let mut verdict = Verdict { worst: 0.0, bins: 0, chi2: 0.0 };
+    let mut verdict = Verdict { chains, worst: 0.0, bins: 0, chi2: 0.0 };
     for bin in 0..bins {
         // The normal law needs a few hundred terms in a bin.
         if touched[bin] >= 300 {

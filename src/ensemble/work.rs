@@ -1,0 +1,101 @@
+//! The work of one half-sweep's perturbations: which paths each dispatch moves, as the shaders read it.
+
+use std::collections::HashMap;
+
+use super::mix::Mix;
+use super::pool::Pool;
+use crate::scene::Features;
+
+/// A run of entries (path, guide node; two words each) in [`Work::words`].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct List {
+    /// In words.
+    pub offset: u32,
+    pub count: u32,
+}
+
+/// Dispatch lists of all passes, and the guides' nodes.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Work {
+    /// What goes into the lists' buffer.
+    pub words: Vec<u32>,
+    /// Where nodes (offset, count) begin.
+    pub nodes_offset: u32,
+    /// Per pass the kernels (by number) with their paths; every path that is not idle is in one list of each pass.
+    pub passes: Vec<Vec<(usize, List)>>,
+    /// Paths that no kernel applies to.
+    pub idle: List,
+}
+
+impl Work {
+    /// Types are frozen during these passes, so lists, nodes and rotas may depend on them (METHOD.md C6).
+    pub fn new(moving: &Pool, guides: &Pool, mix: &Mix, features: Features) -> Self {
+        let rotas: Vec<Vec<usize>> = moving.types.iter().map(|node| mix.rota(node.key, features)).collect();
+        let all = moving.dispatch_list(|_| true, guides);
+        let mut work = Self::default();
+        // Passes in which the same types share a kernel share a list.
+        let mut known: HashMap<Vec<usize>, List> = HashMap::new();
+        let mut list_of = |work: &mut Self, types: Vec<usize>| {
+            *known.entry(types).or_insert_with_key(|types| {
+                let offset = work.words.len() as u32;
+                for &t in types {
+                    let range = moving.types[t].range;
+                    let entries = &all.entries[range.offset as usize..(range.offset + range.count) as usize];
+                    work.words.extend(entries.iter().flatten());
+                }
+                List { offset, count: (work.words.len() as u32 - offset) / 2 }
+            })
+        };
+        let kernels = mix.kernels().len();
+        for pass in 0..mix.perturbation_passes() as usize {
+            let mut lists = Vec::new();
+            for kernel in 0..kernels {
+                let types: Vec<usize> = (0..rotas.len()).filter(|t| rotas[*t].get(pass) == Some(&kernel)).collect();
+                if !types.is_empty() {
+                    lists.push((kernel, list_of(&mut work, types)));
+                }
+            }
+            work.passes.push(lists);
+        }
+        let idle: Vec<usize> = (0..rotas.len()).filter(|t| rotas[*t].is_empty()).collect();
+        work.idle = list_of(&mut work, idle);
+        work.nodes_offset = work.words.len() as u32;
+        work.words.extend(all.nodes.iter().flatten());
+        work
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ensemble::pool::{Tag, TypeKey};
+    use crate::kernels::{independence, lens, multi_chain};
+    use Tag::{Diffuse as D, Transmission as T};
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_path_is_in_one_list_of_every_pass() {
+        let features = Features { mirror: true, ..Default::default() };
+        let keys = [&[D][..], &[T, D], &[D], &[D, D], &[T, D, T]].map(TypeKey::from_tags);
+        let pool = Pool::build(&keys, 3);
+        let guides = Pool::build(&keys[1..], 8);
+        let mix = |kernels: &[_]| Mix::new(kernels, features);
+        let full = mix(&[(&independence::KERNEL, 0.1), (&lens::KERNEL, 1.0), (&multi_chain::KERNEL, 1.0)]);
+        let lens_only = mix(&[(&independence::KERNEL, 0.1), (&lens::KERNEL, 1.0)]);
+        for (mix, moved) in [(full, 5), (lens_only, 3)] {
+            let work = Work::new(&pool, &guides, &mix, features);
+            assert_eq!(work.passes.len() as u32, mix.perturbation_passes());
+            let paths = |list: List| -> Vec<u32> {
+                (0..list.count).map(|i| work.words[(list.offset + 2 * i) as usize]).collect()
+            };
+            for pass in &work.passes {
+                let all: Vec<u32> = pass.iter().flat_map(|(_, list)| paths(*list)).chain(paths(work.idle)).collect();
+                assert_eq!((all.len(), all.iter().collect::<BTreeSet<_>>().len()), (5, 5));
+            }
+            assert_eq!(work.idle.count, 5 - moved);
+            // One list a kernel and one for the idle: nothing is repeated from pass to pass.
+            assert_eq!(work.nodes_offset, 2 * 5);
+            assert_eq!(work.words.len(), 2 * 5 + 2 * pool.types.len());
+        }
+    }
+}
