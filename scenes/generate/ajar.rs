@@ -8,7 +8,7 @@ use crate::furniture::{bookcase, door, picture, picture_frame, table};
 use crate::glb::{Document, Material};
 use crate::mesh::Mesh;
 use crate::random::Random;
-use crate::shapes::{cuboid, icosphere, rod, rounded_box};
+use crate::shapes::{block, icosphere, rod, rounded_box};
 use glam::{Quat, Vec3};
 
 // This room: x from LEFT to RIGHT, z from BACK to FRONT; the next room lies behind BACK - WALL.
@@ -36,11 +36,6 @@ pub fn build() -> Document {
     lay_table(&mut scene);
     scene.camera("main", Vec3::new(0.40, 1.40, 1.78), Vec3::new(0.03, 0.92, -0.9), 40.0);
     scene
-}
-
-/// Shorthand for a box by its ranges along x, y and z.
-fn block(x: [f32; 2], y: [f32; 2], z: [f32; 2]) -> Mesh {
-    cuboid(Vec3::new(x[0], y[0], z[0]), Vec3::new(x[1], y[1], z[1]))
 }
 
 /// Floor, ceiling and walls as solid overlapping blocks, so that no ray slips out or through.

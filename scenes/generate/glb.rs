@@ -42,6 +42,11 @@ impl Material {
         Self { name, base_color, metallic: 0.0, roughness: 0.0, emission: None, extensions }
     }
 
+    /// The same with a GGX surface of alpha = roughness^2 on both its reflection and its transmission.
+    pub fn rough_glass(name: &str, tint: [f32; 3], ior: f32, roughness: f32) -> Self {
+        Self { roughness, ..Self::glass(name, tint, ior) }
+    }
+
     /// A black body of radiance `color * strength` on its front side; `color` is at most 1.
     pub fn lamp(name: &str, color: [f32; 3], strength: f32) -> Self {
         Self::lambert(name, [0.0; 3]).emitting(color, strength)

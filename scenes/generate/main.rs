@@ -9,9 +9,14 @@ mod furniture;
 mod glb;
 mod implicit;
 mod mesh;
+mod mirrors;
+mod pool;
 mod random;
+mod ring;
+mod rough_glass;
 mod shapes;
 mod shards;
+mod slit;
 
 use std::path::Path;
 
@@ -21,7 +26,13 @@ fn main() -> std::io::Result<()> {
         ("scenes/cornell.glb", cornell::build()),
         ("scenes/ajar.glb", ajar::build()),
         ("scenes/shards.glb", shards::build()),
+        ("scenes/ring.glb", ring::build()),
+        ("scenes/slit.glb", slit::build()),
+        ("scenes/mirrors.glb", mirrors::build()),
+        ("scenes/rough_glass.glb", rough_glass::build()),
+        ("scenes/pool.glb", pool::build(0.004)),
         ("tests/scenes/coloured_box.glb", checks::coloured_box()),
+        ("tests/scenes/pool_wide_lamp.glb", pool::build(0.06)),
         ("tests/scenes/furnace.glb", checks::furnace()),
         ("tests/scenes/sphere_over_plane.glb", checks::sphere_over_plane()),
     ];

@@ -23,6 +23,11 @@ pub fn cuboid(low: Vec3, high: Vec3) -> Mesh {
     mesh
 }
 
+/// Shorthand for a box by its ranges along x, y and z.
+pub fn block(x: [f32; 2], y: [f32; 2], z: [f32; 2]) -> Mesh {
+    cuboid(Vec3::new(x[0], y[0], z[0]), Vec3::new(x[1], y[1], z[1]))
+}
+
 /// A box about the origin whose edges and corners are rounded with `radius`, in `steps` per quarter.
 pub fn rounded_box(half: Vec3, radius: f32, steps: u32) -> Mesh {
     let inner = half - Vec3::splat(radius);

@@ -5,7 +5,7 @@ Needs `pip install mitsuba numpy`; the LLVM variant also needs libLLVM (else sca
 
     mitsuba_reference.py SCENE.glb -o OUT.exr [--size WxH] [--spp N | --time S] [--batches B]
                          [--max-depth K] [--camera NAME] [--seed N]
-    mitsuba_reference.py --check-metal
+    mitsuba_reference.py --check-metal | --check-rough-glass
 
 OUT.exr (32-bit float) has R, G, B: the mean over independent batches, and Variance.R, .G, .B: the
 variance OF THAT MEAN, estimated from the spread of the batches. --spp is the total over all batches;
@@ -16,6 +16,8 @@ What is mapped, and to what (DESIGN.md, radiometry):
     metal (metallic 1), alpha >= 1e-3        principled, metallic 1 (--check-metal compares it with glTF's formula)
     smooth white metal                       conductor without material, a perfect mirror
     glass (transmission 1, roughness 0)      dielectric, ior outside 1, base colour = transmittance per interface
+    glass of roughness > 0, alpha >= 1e-3    roughdielectric, GGX, separable Smith, exact Fresnel; reflection untinted
+                                             (--check-rough-glass compares it with Walter et al. 2007)
     emission                                 area emitter on the front side
 Everything else is refused rather than approximated. Path length: Mitsuba's max_depth counts edges from
 the camera to the light, as emlt's --max-depth does (1 = only lights seen directly). No Russian roulette,
@@ -125,11 +127,9 @@ def bsdf_of(material):
     if extensions.get("KHR_materials_transmission", {}).get("transmissionFactor", 0.0) > 0.0:
         thick = extensions.get("KHR_materials_volume", {}).get("thicknessFactor", 0.0) > 0.0
         whole = extensions["KHR_materials_transmission"]["transmissionFactor"] == 1.0
-        if not thick or not whole or roughness > 0.0 or metallic > 0.0:
-            sys.exit(f"material {name}: only solid, smooth, fully transmitting glass is mapped")
-        ior = extensions.get("KHR_materials_ior", {}).get("ior", 1.5)
-        return {"type": "dielectric", "int_ior": ior, "ext_ior": 1.0,
-                "specular_transmittance": rgb(color), "specular_reflectance": rgb([1, 1, 1])}
+        if not thick or not whole or 0.0 < roughness**2 < DELTA_ALPHA or metallic > 0.0:
+            sys.exit(f"material {name}: only solid, fully transmitting glass, smooth or of alpha >= 1e-3, is mapped")
+        return glass(color, roughness, extensions.get("KHR_materials_ior", {}).get("ior", 1.5))
     if metallic == 1.0 and roughness**2 >= DELTA_ALPHA:
         return twosided(metal(color, roughness))
     if metallic == 1.0 and color == [1, 1, 1]:
@@ -141,6 +141,15 @@ def bsdf_of(material):
 
 def metal(color, roughness):
     return {"type": "principled", "base_color": rgb(color), "metallic": 1.0, "roughness": float(roughness)}
+
+
+def glass(color, roughness, ior):
+    kind = {"type": "dielectric"}
+    if roughness > 0.0:
+        # Drawing from the visible normals changes the noise, not the BSDF.
+        kind = {"type": "roughdielectric", "distribution": "ggx", "alpha": float(roughness**2), "sample_visible": True}
+    return kind | {"int_ior": ior, "ext_ior": 1.0, "specular_transmittance": rgb(color),
+                   "specular_reflectance": rgb([1, 1, 1])}
 
 
 def twosided(bsdf):
@@ -263,32 +272,75 @@ def tile_error(mean, variance, tile=8):
     return error / np.maximum(level, 1e-9)
 
 
+def evaluated(mi, bsdf, wi, wo):
+    """The BSDF times the cosine to wo for every pair of local directions."""
+    bsdf, si, values = mi.load_dict(bsdf), mi.SurfaceInteraction3f(), np.zeros((len(wi), 3))
+    for i in range(len(wi)) if mi.variant().startswith("scalar") else [slice(None)]:
+        si.wi = mi.Vector3f(*np.ascontiguousarray(wi[i].T))
+        values[i] = np.array(bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(*np.ascontiguousarray(wo[i].T)))).T
+    return values
+
+
+def directions(random, n):
+    w = random.normal(size=(n, 3))
+    return w / np.linalg.norm(w, axis=1, keepdims=True)
+
+
+def ggx(a2, cosine):
+    return a2 / (np.pi * (cosine**2 * (a2 - 1) + 1) ** 2)
+
+
+def smith(a2, cosine):
+    return 2 * cosine / (cosine + np.sqrt(a2 + (1 - a2) * cosine**2))
+
+
 def check_metal(mi):
     """Largest relative deviation of the metal's BSDF from glTF 2.0, appendix B (separable Smith)."""
-    random = np.random.default_rng(1)
-    worst = 0.0
+    random, worst = np.random.default_rng(1), 0.0
     for color, roughness in (([0.95, 0.7, 0.4], 0.2), ([0.9, 0.6, 0.45], 0.45), ([0.5, 0.9, 0.2], 1.0)):
-        bsdf = mi.load_dict(twosided(metal(color, roughness)))
-        n = 4096
-        directions = random.normal(size=(2, n, 3))
-        directions /= np.linalg.norm(directions, axis=2, keepdims=True)
-        wi, wo = (np.abs(d[:, 2:]) * [0, 0, 1] + d * [1, 1, 0] for d in directions)
+        wi, wo = (directions(random, 4096) for _ in range(2))
+        wi[:, 2], wo[:, 2] = np.abs(wi[:, 2]), np.abs(wo[:, 2])
         half = (wi + wo) / np.linalg.norm(wi + wo, axis=1, keepdims=True)
-        a2, (nh, nl, nv) = roughness**4, (half[:, 2], wo[:, 2], wi[:, 2])
-        d = a2 / (np.pi * (nh**2 * (a2 - 1) + 1) ** 2)
-        smith = lambda c: 2 * c / (c + np.sqrt(a2 + (1 - a2) * c**2))  # noqa: E731
+        a2, nl, nv = roughness**4, wo[:, 2], wi[:, 2]
         schlick = (1 - (wi * half).sum(1, keepdims=True)) ** 5
-        color = np.array(color)
-        expected = (color + (1 - color) * schlick) * (d * smith(nl) * smith(nv) / (4 * nv))[:, None]
-        si = mi.SurfaceInteraction3f()
-        actual = np.zeros((n, 3))
-        for i in range(n) if mi.variant().startswith("scalar") else [slice(None)]:
-            si.wi = mi.Vector3f(*np.ascontiguousarray(wi[i].T))
-            value = bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(*np.ascontiguousarray(wo[i].T)))
-            actual[i] = np.array(value).T
-        deviation = np.abs(actual - expected) / expected.max(1, keepdims=True)
-        print(f"metal, roughness {roughness}: largest relative deviation {deviation.max():.2e}")
-        worst = max(worst, deviation.max())
+        fresnel = np.array(color) + (1 - np.array(color)) * schlick
+        expected = fresnel * (ggx(a2, half[:, 2]) * smith(a2, nl) * smith(a2, nv) / (4 * nv))[:, None]
+        deviation = np.abs(evaluated(mi, twosided(metal(color, roughness)), wi, wo) - expected)
+        deviation = (deviation / expected.max(1, keepdims=True)).max()
+        print(f"metal, roughness {roughness}: largest relative deviation {deviation:.2e}")
+        worst = max(worst, deviation)
+    return worst
+
+
+def check_rough_glass(mi):
+    """The same for rough glass: Walter et al. 2007 for radiance, which is carried from wo (light) to wi (camera)."""
+    random, worst, color = np.random.default_rng(1), 0.0, np.array([0.9, 0.6, 0.3])
+    for roughness, ior in ((0.25, 1.5), (0.5, 1.5), (0.8, 1.33)):
+        wi, wo = directions(random, 20000), directions(random, 20000)
+        nc, nl = (np.where(w[:, 2] > 0, 1.0, ior) for w in (wi, wo))
+        m = nc[:, None] * wi + nl[:, None] * wo
+        # Where both are on one side this is the half vector; else minus or plus it, and its length is the Jacobian's.
+        length = np.linalg.norm(m, axis=1)
+        m *= (np.sign(m[:, 2]) / length)[:, None]
+        cm, lm = (wi * m).sum(1), (wo * m).sum(1)
+        # The floor keeps single precision's cancellation out of the comparison.
+        fits = (cm * wi[:, 2] > 0.02) & (lm * wo[:, 2] > 0.02) & (length > 0.2)
+        reflects = wi[:, 2] * wo[:, 2] > 0
+        far = np.where(cm > 0, ior, 1.0)  # Index beyond the microfacet as wi sees it.
+        sin2 = (1 - cm**2) * (nc / far) ** 2
+        ct = np.sqrt(np.maximum(1 - sin2, 0.0))
+        c = np.abs(cm)
+        s, p = (nc * c - far * ct) / (nc * c + far * ct), (far * c - nc * ct) / (far * c + nc * ct)
+        fresnel = np.where(sin2 >= 1, 1.0, 0.5 * (s**2 + p**2))
+        a2 = roughness**4
+        dg = ggx(a2, m[:, 2]) * smith(a2, np.abs(wi[:, 2])) * smith(a2, np.abs(wo[:, 2])) / np.abs(wi[:, 2])
+        through = (1 - fresnel) * dg * np.abs(cm * lm) * nc**2 / length**2
+        expected = np.where(reflects, fresnel * dg / 4, through)[:, None] * np.where(reflects[:, None], 1.0, color)
+        actual = evaluated(mi, glass(color, roughness, ior), wi, wo)
+        deviation = (np.abs(actual - expected) / np.maximum(expected.max(1, keepdims=True), 1e-4))[fits].max()
+        print(f"rough glass, roughness {roughness}: largest relative deviation {deviation:.2e} in {fits.sum()} pairs, "
+              f"{(fits & ~reflects).sum()} of them refractions")
+        worst = max(worst, deviation)
     return worst
 
 
@@ -304,10 +356,12 @@ def main():
     parser.add_argument("--camera")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--check-metal", action="store_true")
+    parser.add_argument("--check-rough-glass", action="store_true")
     options = parser.parse_args()
     mi = start_mitsuba()
-    if options.check_metal:
-        sys.exit(0 if check_metal(mi) < 1e-3 else 1)
+    for wanted, check in ((options.check_metal, check_metal), (options.check_rough_glass, check_rough_glass)):
+        if wanted:
+            sys.exit(0 if check(mi) < 1e-3 else 1)
     if not options.scene or not options.output:
         parser.error("a scene and -o OUT.exr are needed")
     size = tuple(int(n) for n in options.size.split("x"))
