@@ -12,4 +12,5 @@ mod renders;
 mod repetition;
 mod sphere;
 mod student;
+mod threshold;
 mod tiles;
