@@ -6,7 +6,7 @@ mod device;
 #[path = "bsdf/walter.rs"]
 mod walter;
 
-use device::{Device, TAG_DIFFUSE, TAG_NONE};
+use device::{Device, TAG_DIFFUSE, TAG_NONE, TAG_REFLECT, TAG_TRANSMIT};
 use emlt::gpu::context::Context;
 use emlt::reference::rng;
 use emlt::scene::Material;
@@ -100,30 +100,34 @@ const COLUMNS: usize = 48;
 const POINTS: usize = 40;
 const SAMPLES: usize = 1 << 19;
 
-/// chi^2 of the directions sampled for `w_in` against the density that evaluation states, over bins of the sphere, and
-/// its degrees of freedom. Samples that are absorbed fill a bin of their own.
-fn chi_square(device: &mut Device, material: usize, ns: DVec3, w_in: DVec3) -> (f64, f64) {
+/// chi^2 of the directions and tags sampled for `w_in` against the density that evaluation states, over bins of the
+/// sphere, and its degrees of freedom. Samples that are absorbed fill a bin of their own.
+fn chi_square(device: &mut Device, material: usize, ns: DVec3, w_in: DVec3, tags: &[u32]) -> (f64, f64) {
     let samples = device.sample(material, ns, w_in, SAMPLES);
-    let mut counts = vec![0f64; ROWS * COLUMNS];
+    let bins = ROWS * COLUMNS;
+    let mut counts = vec![0f64; tags.len() * bins];
     for (w, tag) in samples.iter().filter(|s| s.1 != TAG_NONE) {
-        assert_eq!(*tag, TAG_DIFFUSE);
+        let class = tags.iter().position(|t| t == tag).unwrap_or_else(|| panic!("tag {tag}"));
         let row = ((0.5 * (w.z + 1.0) * ROWS as f64) as usize).min(ROWS - 1);
         let column = ((w.y.atan2(w.x) / (2.0 * PI) + 0.5) * COLUMNS as f64) as usize % COLUMNS;
-        counts[row * COLUMNS + column] += 1.0;
+        counts[class * bins + row * COLUMNS + column] += 1.0;
     }
     let (rows, columns) = (ROWS * POINTS, COLUMNS * POINTS);
-    let mut expected = vec![0f64; ROWS * COLUMNS];
-    for band in 0..ROWS {
-        let points: Vec<_> = (0..POINTS * columns)
-            .map(|n| {
-                let z = 2.0 * ((band * POINTS + n / columns) as f64 + 0.5) / rows as f64 - 1.0;
-                let phi = 2.0 * PI * (((n % columns) as f64 + 0.5) / columns as f64 - 0.5);
-                (spherical(z, phi), w_in, TAG_DIFFUSE)
-            })
-            .collect();
-        for (n, e) in device.evaluate(material, ns, &points).iter().enumerate() {
-            expected[band * COLUMNS + n % columns / POINTS] +=
-                e.pdf_to_light * 4.0 * PI / (rows * columns) as f64 * SAMPLES as f64;
+    let solid_angle = 4.0 * PI / (rows * columns) as f64;
+    let mut expected = vec![0f64; tags.len() * bins];
+    for (class, &tag) in tags.iter().enumerate() {
+        for band in 0..ROWS {
+            let points: Vec<_> = (0..POINTS * columns)
+                .map(|n| {
+                    let z = 2.0 * ((band * POINTS + n / columns) as f64 + 0.5) / rows as f64 - 1.0;
+                    let phi = 2.0 * PI * (((n % columns) as f64 + 0.5) / columns as f64 - 0.5);
+                    (spherical(z, phi), w_in, tag)
+                })
+                .collect();
+            let first = class * bins + band * COLUMNS;
+            for (n, e) in device.evaluate(material, ns, &points).iter().enumerate() {
+                expected[first + n % columns / POINTS] += e.pdf_to_light * solid_angle * SAMPLES as f64;
+            }
         }
     }
     let (mut chi2, mut dof) = (0.0, 0.0);
@@ -144,19 +148,57 @@ fn chi_square(device: &mut Device, material: usize, ns: DVec3, w_in: DVec3) -> (
     (chi2, dof)
 }
 
-#[test]
-fn samples_have_their_density() {
+/// All lobes among what is connected to, or all in classes of their own.
+fn check_samples(threshold: f32, tags: &[u32]) {
     let context = context();
     let materials = materials();
-    let mut device = Device::new(&context, &materials);
+    let mut device = Device::new(&context, &materials, threshold);
     let tilted = DVec3::new(0.2, -0.1, 1.0).normalize();
     for (index, material) in materials.iter().enumerate() {
         for (n, w_in) in directions().into_iter().enumerate() {
             let ns = if n % 3 == 1 { tilted } else { DVec3::Z };
-            let (chi2, dof) = chi_square(&mut device, index, ns, w_in);
+            let (chi2, dof) = chi_square(&mut device, index, ns, w_in, tags);
             let p = chi_square_tail(chi2, dof);
             println!("{}, {w_in:.2}: chi2 {chi2:.0} of {dof}, p {p:.2e}", material.name);
             assert!(p > 1e-5, "{} for {w_in}: p {p}", material.name);
+        }
+    }
+}
+
+#[test]
+fn samples_have_their_density() {
+    check_samples(0.0, &[TAG_DIFFUSE]);
+}
+
+#[test]
+fn samples_of_narrow_lobes_have_their_density() {
+    check_samples(f32::INFINITY, &[TAG_DIFFUSE, TAG_REFLECT, TAG_TRANSMIT]);
+}
+
+/// Classes split the BSDF and change nothing about their sum.
+#[test]
+fn classes_add_up() {
+    let context = context();
+    let materials = materials();
+    let mut whole = Device::new(&context, &materials, 0.0);
+    let mut split = Device::new(&context, &materials, f32::INFINITY);
+    for (index, material) in materials.iter().enumerate() {
+        let pairs = pairs(&mut whole, index, 20_000);
+        let whole = whole.evaluate(index, DVec3::Z, &pairs);
+        let parts = [TAG_DIFFUSE, TAG_REFLECT, TAG_TRANSMIT].map(|tag| {
+            let pairs: Vec<_> = pairs.iter().map(|p| (p.0, p.1, tag)).collect();
+            split.evaluate(index, DVec3::Z, &pairs)
+        });
+        for (n, e) in whole.iter().enumerate() {
+            for c in 0..3 {
+                let sum: f64 = parts.iter().map(|p| p[n].value[c]).sum();
+                assert!(
+                    (sum - e.value[c]).abs() <= 1e-4 * e.value[c] + 1e-6,
+                    "{}: {sum} of {}",
+                    material.name,
+                    e.value[c]
+                );
+            }
         }
     }
 }
@@ -176,7 +218,7 @@ fn pairs(device: &mut Device, material: usize, count: usize) -> Vec<(DVec3, DVec
 fn rough_glass_is_walters() {
     let context = context();
     let materials = [glass(0.02), glass(0.1), glass(0.3), glass(0.8), Material { ior: 2.4, ..glass(0.25) }];
-    let mut device = Device::new(&context, &materials);
+    let mut device = Device::new(&context, &materials, 0.0);
     for (index, material) in materials.iter().enumerate() {
         let pairs = pairs(&mut device, index, 20_000);
         let alpha = f64::from(material.roughness * material.roughness);
@@ -198,7 +240,7 @@ fn rough_glass_is_walters() {
 fn scattering_is_reciprocal() {
     let context = context();
     let materials = materials();
-    let mut device = Device::new(&context, &materials);
+    let mut device = Device::new(&context, &materials, 0.0);
     for (index, material) in materials.iter().enumerate() {
         let there = pairs(&mut device, index, 20_000);
         let back: Vec<_> = there.iter().map(|&(light, camera, tag)| (camera, light, tag)).collect();
@@ -232,7 +274,7 @@ fn no_energy_is_made() {
         white("rough pane", Material { thin: true, ..glass(0.3) }),
         white("half transparent", Material { transmission: 0.5, ..glass(0.3) }),
     ];
-    let mut device = Device::new(&context, &materials);
+    let mut device = Device::new(&context, &materials, 0.0);
     let count = 1 << 17;
     for (index, material) in materials.iter().enumerate() {
         for camera in directions() {

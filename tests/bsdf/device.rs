@@ -13,6 +13,8 @@ const ENTRIES: usize = 1 << 20;
 
 /// Tags, as in shaders/bsdf/scatter.wesl.
 pub const TAG_DIFFUSE: u32 = 0;
+pub const TAG_REFLECT: u32 = 1;
+pub const TAG_TRANSMIT: u32 = 2;
 pub const TAG_NONE: u32 = 3;
 
 pub struct Evaluated {
@@ -27,8 +29,8 @@ pub struct Device<'a> {
 }
 
 impl<'a> Device<'a> {
-    /// A device with `materials` on a triangle each.
-    pub fn new(context: &'a Context, materials: &[Material]) -> Self {
+    /// A device with `materials` on a triangle each, lobes of alpha below `threshold` in classes of their own.
+    pub fn new(context: &'a Context, materials: &[Material], threshold: f32) -> Self {
         let n = materials.len() as u32;
         let scene = Scene {
             name: "materials".into(),
@@ -42,9 +44,9 @@ impl<'a> Device<'a> {
         };
         let world_from_camera = glam::Affine3A::IDENTITY;
         let camera = Camera { name: "none".into(), world_from_camera, vertical_fov: 1.0, aspect: None };
-        let data = SceneData::new(&scene, &camera, 4, 4).unwrap();
+        let data = SceneData::with_threshold(&scene, &camera, 4, 4, threshold).unwrap();
         let sizes = Sizes { chains: 48 * ENTRIES as u64, lists: 16, output: 32 * ENTRIES as u64, counters: 256 };
-        Self { run: Run::new(context, &data, sizes).unwrap(), features: Features::of(&scene) }
+        Self { run: Run::new(context, &data, sizes).unwrap(), features: Features::with_threshold(&scene, threshold) }
     }
 
     fn call(&mut self, rows: [Vec<[f32; 4]>; 3], flags: &[&'static str], pass_index: u32) -> Vec<[f32; 4]> {
