@@ -61,7 +61,7 @@ pub fn coloured_box() -> Document {
 }
 
 /// The same room with lobes on both sides of the threshold below which they are treated as specular: brushed copper and
-/// frosted glass of alpha 0.05, and the same two of alpha 0.2.
+/// frosted glass of alpha 0.05, and the same two of alpha 0.2. A plate of the brushed copper covers the floor.
 pub fn glossy_box() -> Document {
     let mut scene = Document::default();
     let white = scene.material(Material::lambert("white", [0.7, 0.7, 0.7]));
@@ -74,10 +74,13 @@ pub fn glossy_box() -> Document {
     let glasses = roughness.map(|r| scene.material(Material::rough_glass("rose glass", [0.95, 0.7, 0.75], 1.5, r)));
     room(&mut scene, [white, orange, blue, green, lamp]);
 
+    // Seen from steep to grazing angles: there the change of half-vectors to directions varies most.
+    let plate = quad(Vec3::new(-0.9, 0.01, -0.9), Vec3::Z * 2.4, Vec3::X * 1.8);
+    scene.object("brushed plate", &plate, metals[0]);
     let half = Vec3::new(0.22, 0.35, 0.22);
     let block = cuboid(-half, half);
-    scene.object("brushed block", &block.clone().turned(25.0).at(-0.55, 0.351, -0.35).closed(), metals[0]);
-    scene.object("dull block", &block.clone().turned(-10.0).at(0.1, 0.351, -0.6).closed(), metals[1]);
+    scene.object("brushed block", &block.clone().turned(25.0).at(-0.55, 0.371, -0.35).closed(), metals[0]);
+    scene.object("dull block", &block.clone().turned(-10.0).at(0.1, 0.371, -0.6).closed(), metals[1]);
     let gem = icosphere(1).scaled(0.3).faceted();
     scene.object("frosted gem", &gem.clone().at(0.45, 0.45, 0.1).closed(), glasses[0]);
     scene.object("dull gem", &gem.scaled(0.7).at(-0.1, 0.25, 0.4).closed(), glasses[1]);
