@@ -114,6 +114,12 @@ impl Pool {
         Some(self.lengths[at].range)
     }
 
+    /// The type of the path at `order[place]`.
+    pub fn key_at(&self, place: u32) -> TypeKey {
+        let after = self.types.partition_point(|node| node.range.offset <= place);
+        self.types[after - 1].key
+    }
+
     /// Path indices of a node.
     pub fn members(&self, node: NodeRange) -> &[u32] {
         &self.order[node.indices()]

@@ -1,6 +1,6 @@
 //! How much paths resemble each other (METHOD.md 3.3; our design over the supplement's "positions, no normals").
 
-use super::pool::{NodeRange, Pool, TypeKey, select};
+use super::pool::{NodeRange, Pool, select};
 
 /// How many members of a pool are looked at for the median.
 const SUBSAMPLE: usize = 256;
@@ -79,7 +79,7 @@ fn leave_one_out(
     bandwidth: f64,
     guides: u32,
 ) -> Option<f64> {
-    let key = key_at(pool, at);
+    let key = pool.key_at(at);
     // Without itself, a single member of a type would be guided by its length.
     let has_peers = |node: &NodeRange| node.count > 1;
     let node = pool.type_node(key).filter(has_peers).or_else(|| pool.length_node(key.edges()).filter(has_peers))?;
@@ -94,15 +94,9 @@ fn leave_one_out(
     Some(Similarity::from_squared_distances(&squared)?.log_mean)
 }
 
-/// The type of the path at `order[at]`.
-fn key_at(pool: &Pool, at: u32) -> TypeKey {
-    let after = pool.types.partition_point(|node| node.range.offset <= at);
-    pool.types[after - 1].key
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::pool::Tag;
+    use super::super::pool::{Tag, TypeKey};
     use super::*;
 
     fn key(tags: &[Tag]) -> TypeKey {

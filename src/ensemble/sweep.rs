@@ -4,6 +4,7 @@
 //! and the dispatch lists are sorted by type. Paths that no kernel applies to rest with their weight (C6a).
 
 use super::bootstrap::{Bootstrap, Mean};
+use super::cuts::CutList;
 use super::mix::{HALF_SWEEP, Mix};
 use super::pool::{Pool, TypeKey};
 use super::similarity::similarity_median;
@@ -22,6 +23,8 @@ use crate::{Error, Result};
 
 /// Dimension block from which the host draws the independence kernel's strategy.
 const DIMENSION_STRATEGY: u32 = 0xffff;
+/// The independence kernel's number in every mix.
+const INDEPENDENCE: usize = 0;
 
 /// What the shaders of a run are compiled for, besides the kernel.
 #[derive(Debug, Clone, Copy)]
@@ -142,17 +145,22 @@ impl Ensemble {
     /// Moves one half, then swaps the halves' parts.
     pub fn half_sweep(&mut self, run: &mut Run) -> Result<()> {
         let half = self.moving;
-        let mut rows = Vec::new();
         for kernel in 0..self.tallies.len() {
             for _ in 0..self.mix.structural_passes(kernel) {
-                self.independence(run, half, kernel)?;
-                rows = self.read_key_rows(run, half)?;
-                for row in &rows {
-                    self.proposals.add(f64::from(f32::from_bits(row[3])).exp());
+                if kernel == INDEPENDENCE {
+                    self.independence(run, half)?;
+                } else {
+                    self.bidirectional(run, half, kernel)?;
+                }
+                let rows = self.read_key_rows(run, half)?;
+                self.halves[half].pool = self.pool_of(&rows, half)?;
+                if kernel == INDEPENDENCE {
+                    for row in &rows {
+                        self.proposals.add(f64::from(f32::from_bits(row[3])).exp());
+                    }
                 }
             }
         }
-        self.halves[half].pool = self.pool_of(&rows, half)?;
         self.perturb(run, half)?;
         self.freeze(run, half)?;
         self.tally(run)?;
@@ -161,7 +169,7 @@ impl Ensemble {
     }
 
     /// The independence mutation: log w of every path, then the proposals, sorted by what they draw.
-    fn independence(&mut self, run: &mut Run, half: usize, kernel: usize) -> Result<()> {
+    fn independence(&mut self, run: &mut Run, half: usize) -> Result<()> {
         let first = self.first_path(half);
         let mut entries: Vec<[u32; 2]> = (first..first + self.half_paths())
             .map(|path| {
@@ -176,11 +184,45 @@ impl Ensemble {
         let uniform = PassUniform {
             pass_index: self.pass_index,
             entries: self.half_paths(),
-            counters_offset: (kernel * COUNTER_WORDS) as u32,
+            counters_offset: (INDEPENDENCE * COUNTER_WORDS) as u32,
             ..self.build.uniform()
         };
         let dispatches =
             ["weigh", "independence"].map(|pass| Dispatch { variant: self.build.variant(pass, &[]), uniform });
+        self.tallies[INDEPENDENCE].mutations += u64::from(self.half_paths());
+        self.pass_index += 1;
+        run.submit(&dispatches)
+    }
+
+    /// The bidirectional mutations, sorted by what they cut; paths without a cut rest.
+    fn bidirectional(&mut self, run: &mut Run, half: usize, kernel: usize) -> Result<()> {
+        let kernels: Vec<_> = self.mix.kernels().collect();
+        let kernel_of = kernels[kernel];
+        let list = CutList::draw(
+            &self.halves[half].pool,
+            &self.halves[1 - half].pool,
+            self.first_path(1 - half),
+            |path, dimension| rng::random_words(self.build.seed, path, self.pass_index, dimension),
+            1..=self.build.max_edges,
+        );
+        run.set_lists(&list.words);
+        let base = PassUniform { pass_index: self.pass_index, ..self.build.uniform() };
+        let (moved, resting) = (list.entries.len() as u32, list.resting);
+        let counters_offset = (kernel * COUNTER_WORDS) as u32;
+        let dispatches = [
+            (kernel_of.pass, kernel_of.flags, PassUniform { entries: moved, counters_offset, ..base }),
+            (
+                "rest",
+                &[][..],
+                PassUniform { entries: resting, entries_offset: list.resting_offset, weight: 1.0, ..base },
+            ),
+        ];
+        let dispatches: Vec<Dispatch> = dispatches
+            .into_iter()
+            .filter(|(_, _, uniform)| uniform.entries > 0)
+            .map(|(pass, flags, uniform)| Dispatch { variant: self.build.variant(pass, flags), uniform })
+            .collect();
+        // A mutation without a cut is one that fails at once.
         self.tallies[kernel].mutations += u64::from(self.half_paths());
         self.pass_index += 1;
         run.submit(&dispatches)

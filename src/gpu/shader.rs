@@ -27,7 +27,7 @@ pub const GUIDES: u32 = 16;
 
 /// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
 /// instead of splats, and deliberately wrong kernels that the tests must catch.
-pub const PASS_FLAGS: [&str; 12] = [
+pub const PASS_FLAGS: [&str; 13] = [
     "guided",
     "multi_chain",
     "segment",
@@ -39,6 +39,7 @@ pub const PASS_FLAGS: [&str; 12] = [
     "twin_one_sided",
     "twin_id",
     "twin_redraw",
+    "twin_places",
     "twin_jacobian",
 ];
 
@@ -100,7 +101,22 @@ mod tests {
     /// Every combination of features and every flag set that the renderer or its tests use.
     #[test]
     fn every_shader_of_every_feature_set_validates() {
-        let flag_sets: [(&str, &[&[&str]]); 9] = [
+        let flag_sets: [(&str, &[&[&str]]); 10] = [
+            (
+                "bidirectional",
+                &[
+                    &["segment"],
+                    &["segment", "maps"],
+                    &["segment", "guided"],
+                    &["segment", "guided", "maps"],
+                    &["segment", "twin_places"],
+                    &["segment", "guided", "twin_places"],
+                    &["segment", "probe"],
+                    &["segment", "guided", "probe"],
+                    &["segment", "probe", "probe_back"],
+                    &["segment", "guided", "probe", "probe_back"],
+                ],
+            ),
             ("bootstrap", &[&["candidates"], &[]]),
             ("gather", &[&[]]),
             ("weigh", &[&[], &["probe"]]),

@@ -3,7 +3,9 @@
 //! The mathematics is in the file of the same name under `shaders/kernels`; acceptance, splatting and counting are in one
 //! place for all (`shaders/transport/accept.wesl`).
 
+pub mod bidirectional;
 pub mod caustic;
+pub mod guided_bidirectional;
 pub mod guided_caustic;
 pub mod guided_lens;
 pub mod guided_multi_chain;
@@ -47,8 +49,10 @@ pub enum Family {
 }
 
 /// Every kernel there is, in the order of their names on the command line.
-pub const ALL: [&Kernel; 7] = [
+pub const ALL: [&Kernel; 9] = [
     &independence::KERNEL,
+    &bidirectional::KERNEL,
+    &guided_bidirectional::KERNEL,
     &lens::KERNEL,
     &multi_chain::KERNEL,
     &caustic::KERNEL,

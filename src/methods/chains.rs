@@ -12,16 +12,23 @@ use crate::gpu::layout::{COUNTER_WORDS, FILM_SCALE, chain_rows};
 use crate::gpu::run::{Buffer, Run, Sizes};
 use crate::gpu::scene::SceneData;
 use crate::kernels::{
-    Kernel, caustic, guided_caustic, guided_lens, guided_multi_chain, independence, lens, multi_chain,
+    Kernel, bidirectional, caustic, guided_bidirectional, guided_caustic, guided_lens, guided_multi_chain,
+    independence, lens, multi_chain,
 };
 use crate::report::statistics::Statistics;
 use crate::scene::Features;
 
 /// The kernels of a method with their weights (docs/kernels.md says how they were chosen).
 pub fn default_mix(method: Method) -> Vec<(&'static Kernel, f64)> {
-    let mut weights =
-        vec![(&independence::KERNEL, 0.1), (&lens::KERNEL, 1.0), (&multi_chain::KERNEL, 1.0), (&caustic::KERNEL, 1.0)];
-    if method == Method::Emlt {
+    let guided = method == Method::Emlt;
+    let mut weights = vec![
+        (&independence::KERNEL, 0.05),
+        (if guided { &guided_bidirectional::KERNEL } else { &bidirectional::KERNEL }, 0.15),
+        (&lens::KERNEL, 1.0),
+        (&multi_chain::KERNEL, 1.0),
+        (&caustic::KERNEL, 1.0),
+    ];
+    if guided {
         weights.extend([
             (&guided_lens::KERNEL, 1.0),
             (&guided_multi_chain::KERNEL, 1.0),

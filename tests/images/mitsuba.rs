@@ -23,6 +23,11 @@ const CORNELL: &str = "scenes/cornell.glb";
 const COLOURED_BOX: &str = "tests/scenes/coloured_box.glb";
 const SHARDS: &str = "scenes/shards.glb";
 const AJAR: &str = "scenes/ajar.glb";
+const RING: &str = "scenes/ring.glb";
+const SLIT: &str = "scenes/slit.glb";
+const MIRRORS: &str = "scenes/mirrors.glb";
+const POOL_WIDE_LAMP: &str = "tests/scenes/pool_wide_lamp.glb";
+const ROUGH_GLASS: &str = "scenes/rough_glass.glb";
 /// The references' longest paths, in edges.
 const FULL_DEPTH: u32 = 12;
 
@@ -92,6 +97,22 @@ fn shards_by_emlt() {
     compare("shards_4_edges", SHARDS, 4, Emlt, [120, 16], Power { film: 0.01, tile: 0.25 });
 }
 
+/// What is under the dome is there only for camera paths that hit the lamp by chance.
+#[test]
+fn ring_by_pt() {
+    compare("ring", RING, FULL_DEPTH, Pt, [40, 24], Power { film: 0.1, tile: 0.6 });
+}
+
+#[test]
+fn slit_by_pt() {
+    compare("slit", SLIT, FULL_DEPTH, Pt, [36, 24], Power { film: 0.07, tile: 0.6 });
+}
+
+#[test]
+fn mirrors_by_pt() {
+    compare("mirrors", MIRRORS, FULL_DEPTH, Pt, [32, 24], Power { film: 0.015, tile: 0.25 });
+}
+
 /// What the comparisons are for: scenes that differ a little from the reference's do not pass.
 #[test]
 fn changed_scenes_are_caught() {
@@ -112,6 +133,22 @@ fn changed_scenes_are_caught() {
         println!("{}", comparison.report(what));
         assert!(!comparison.passes(), "not caught: {what}");
     }
+}
+
+/// Two of the three solids have alpha 0.0625, which mlt and emlt treat as specular, the third 0.25.
+#[test]
+fn rough_glass_by_pt() {
+    compare("rough_glass", ROUGH_GLASS, FULL_DEPTH, Pt, [24, 24], Power { film: 0.02, tile: 0.15 });
+}
+
+#[test]
+fn rough_glass_by_mlt() {
+    compare("rough_glass", ROUGH_GLASS, FULL_DEPTH, Mlt, [120, 16], Power { film: 0.03, tile: 0.4 });
+}
+
+#[test]
+fn rough_glass_by_emlt() {
+    compare("rough_glass", ROUGH_GLASS, FULL_DEPTH, Emlt, [120, 16], Power { film: 0.03, tile: 0.4 });
 }
 
 /// Light through the gap of a door. Renders of seconds, as above, would see no bias below 6 % of the film and 50 % of a
@@ -138,4 +175,50 @@ fn long_ajar_by_emlt() {
 #[ignore = "takes minutes; ./run test --long"]
 fn long_shards_by_pt() {
     compare("shards", SHARDS, FULL_DEPTH, Pt, [400, 24], Power { film: 0.02, tile: 0.05 });
+}
+
+// What mlt and emlt are asked to see in the scenes below is a wish, not a measurement: their kernels for caustics and
+// narrow passages are still to come, and these tests have not been run.
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_ring_by_mlt() {
+    compare("ring", RING, FULL_DEPTH, Mlt, [600, 16], Power { film: 0.05, tile: 0.7 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_ring_by_emlt() {
+    compare("ring", RING, FULL_DEPTH, Emlt, [600, 16], Power { film: 0.05, tile: 0.7 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_slit_by_mlt() {
+    compare("slit", SLIT, FULL_DEPTH, Mlt, [600, 16], Power { film: 0.05, tile: 0.7 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_slit_by_emlt() {
+    compare("slit", SLIT, FULL_DEPTH, Emlt, [600, 16], Power { film: 0.05, tile: 0.7 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_mirrors_by_mlt() {
+    compare("mirrors", MIRRORS, FULL_DEPTH, Mlt, [600, 16], Power { film: 0.03, tile: 0.5 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_mirrors_by_emlt() {
+    compare("mirrors", MIRRORS, FULL_DEPTH, Emlt, [600, 16], Power { film: 0.03, tile: 0.5 });
+}
+
+/// Caustics seen through the water that made them. The pool itself has a lamp too small for any reference by path
+/// tracing.
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_pool_wide_lamp_by_pt() {
+    compare("pool_wide_lamp", POOL_WIDE_LAMP, FULL_DEPTH, Pt, [400, 24], Power { film: 0.05, tile: 0.5 });
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use emlt::ensemble::bootstrap::{BATCH, Bootstrap, Candidate, Start};
+use emlt::ensemble::cuts::CutList;
 use emlt::ensemble::pool::{Pool, TypeKey};
 use emlt::ensemble::sweep::list_words;
 use emlt::gpu::context::Context;
@@ -13,10 +14,13 @@ use emlt::gpu::shader::Variant;
 use emlt::kernels::Kernel;
 use emlt::kernels::guided_lens::SIMILARITY_RADIUS;
 use emlt::methods::Silent;
+use emlt::reference::rng;
 use emlt::scene::{Features, import::import};
 
 pub const FILM: [u32; 2] = [64, 48];
 pub const MAX_EDGES: u32 = 8;
+/// Of the kernels' random numbers.
+pub const SEED: u32 = 77;
 /// Paths in the ensemble: the first HALF move, the second guide.
 pub const PATHS: u32 = 1 << 17;
 pub const HALF: u32 = PATHS / 2;
@@ -117,14 +121,10 @@ impl<'a> Bench<'a> {
         // Guides are read from their rows in the pool's order, which the pass `gather` makes.
         let guides_first = guides.order.iter().copied().min().unwrap_or(0);
         let order: Vec<u32> = guides.order.iter().flat_map(|&path| [path, 0]).collect();
-        self.run.set_lists(&order);
-        let gather =
-            PassUniform { stride: COLUMNS, entries: guides.order.len() as u32, guides_first, ..Default::default() };
-        let variant = Variant { pass: "gather", features: self.features, max_edges: MAX_EDGES, flags: vec![] };
-        self.run.submit(&[Dispatch { variant, uniform: gather }]).unwrap();
+        self.gather(&order, guides_first);
         self.run.set_lists(&words);
         let uniform = PassUniform {
-            seed: 77,
+            seed: SEED,
             stride: COLUMNS,
             entries: list.entries.len() as u32,
             nodes_offset,
@@ -135,6 +135,33 @@ impl<'a> Bench<'a> {
             ..Default::default()
         };
         (uniform, list.entries.iter().map(|e| e[0]).collect())
+    }
+
+    /// Sets the list of a bidirectional pass over the first `count` paths.
+    pub fn cut_list(&mut self, count: u32, pass_index: u32) -> (PassUniform, CutList) {
+        let moving = self.pool(0, count);
+        let random = |path, dimension| rng::random_words(SEED, path, pass_index, dimension);
+        let list = CutList::draw(&moving, &self.guides, HALF, random, 1..=MAX_EDGES);
+        self.run.set_lists(&list.words);
+        (self.cut_uniform(list.entries.len()), list)
+    }
+
+    pub fn cut_uniform(&self, entries: usize) -> PassUniform {
+        PassUniform { seed: SEED, stride: COLUMNS, origins: PATHS, entries: entries as u32, ..Default::default() }
+    }
+
+    /// Publishes the second half as guides.
+    pub fn publish_guides(&mut self) {
+        let order: Vec<u32> = self.guides.order.iter().flat_map(|&path| [path, 0]).collect();
+        self.gather(&order, HALF);
+    }
+
+    fn gather(&mut self, order: &[u32], guides_first: u32) {
+        self.run.set_lists(order);
+        let uniform =
+            PassUniform { stride: COLUMNS, entries: order.len() as u32 / 2, guides_first, ..Default::default() };
+        let variant = Variant { pass: "gather", features: self.features, max_edges: MAX_EDGES, flags: vec![] };
+        self.run.submit(&[Dispatch { variant, uniform }]).unwrap();
     }
 
     /// Runs `kernel` with further flags once per pass index.

@@ -6,7 +6,7 @@
 
 use crate::bench::{Bench, FILM, Guides, HALF, MAX_EDGES};
 use emlt::ensemble::pool::TypeKey;
-use emlt::kernels::Kernel;
+use emlt::kernels::{Family, Kernel};
 
 /// Side of a tile in pixels.
 const TILE: u32 = 4;
@@ -60,18 +60,28 @@ pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps
             bench.fill(seed, &strategies, chunk);
             let keys = bench.keys(0, count);
             let before = bench.pixels(count);
-            let (uniform, moved) = bench.list(kernel, count, Guides::Other);
             // Pass indices of their own for every chunk: no random number is used twice.
             let first = seed * 1024 + chunk_number as u32 * 64;
-            bench.passes(kernel, flags, uniform, first..first + steps);
+            chains += if kernel.family == Family::Structural {
+                for pass in first..first + steps {
+                    let (uniform, _) = bench.cut_list(count, pass);
+                    bench.passes(kernel, flags, uniform, pass..pass + 1);
+                }
+                chunk.len()
+            } else {
+                let (uniform, moved) = bench.list(kernel, count, Guides::Other);
+                bench.passes(kernel, flags, uniform, first..first + steps);
+                moved.len()
+            };
             let after = bench.pixels(count);
+            let keys_after = bench.keys(0, count);
             for (i, &candidate) in chunk.iter().enumerate() {
                 let w = candidates[candidate as usize].weight();
-                let length = (keys[i].edges() as usize - 1) * tiles;
+                let length = |key: TypeKey| (key.edges() as usize - 1) * tiles;
                 let places = [
-                    (length + tile(before[i]), length + tile(after[i])),
+                    (length(keys[i]) + tile(before[i]), length(keys_after[i]) + tile(after[i])),
                     (rings + ring(before[i]), rings + ring(after[i])),
-                    (bands + band(before[i], keys[i]), bands + band(after[i], keys[i])),
+                    (bands + band(before[i], keys[i]), bands + band(after[i], keys_after[i])),
                 ];
                 for (from, to) in places.into_iter().filter(|(from, to)| from != to) {
                     for (bin, sign) in [(from, -1.0), (to, 1.0)] {
@@ -81,7 +91,6 @@ pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps
                     }
                 }
             }
-            chains += moved.len();
         }
     }
     let mut verdict = Verdict { chains, worst: 0.0, bins: 0, chi2: 0.0 };
