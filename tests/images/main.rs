@@ -7,6 +7,7 @@
 mod calibration;
 mod comparison;
 mod furnace;
+mod glass_furnace;
 mod mitsuba;
 mod renders;
 mod repetition;

@@ -138,7 +138,7 @@ fn changed_scenes_are_caught() {
 /// Two of the three solids have alpha 0.0625, which mlt and emlt treat as specular, the third 0.25.
 #[test]
 fn rough_glass_by_pt() {
-    compare("rough_glass", ROUGH_GLASS, FULL_DEPTH, Pt, [24, 24], Power { film: 0.02, tile: 0.15 });
+    compare("rough_glass", ROUGH_GLASS, FULL_DEPTH, Pt, [24, 24], Power { film: 0.01, tile: 0.06 });
 }
 
 #[test]
