@@ -298,3 +298,21 @@ fn no_energy_is_made() {
         }
     }
 }
+
+/// A perturbation may bring the tag of a delta to a surface whose lobe is none: nothing is scattered there.
+#[test]
+fn rough_surfaces_have_no_delta() {
+    let context = context();
+    let mut materials = materials();
+    materials.push(glass(0.0));
+    let mut device = Device::new(&context, &materials, 0.0);
+    let smooth = materials.len() - 1;
+    let (light, camera) = (spherical(0.6, 1.0), spherical(0.6, 1.0 + PI));
+    for tag in [TAG_REFLECT, TAG_TRANSMIT] {
+        let light = if tag == TAG_REFLECT { light } else { spherical(-(1.0f64 - 0.64 / 2.25).sqrt(), 1.0) };
+        for index in 0..materials.len() {
+            let value = device.evaluate(index, DVec3::Z, &[(light, camera, tag)])[0].value;
+            assert_eq!(value != [0.0; 3], index == smooth, "{}, tag {tag}: {value:?}", materials[index].name);
+        }
+    }
+}
