@@ -50,6 +50,46 @@ pub fn coloured_box() -> Document {
     let glass = scene.material(Material::glass("rose glass", [0.95, 0.7, 0.75], 1.5));
     let lamp = scene.material(Material::lamp("lamp", [1.0, 0.85, 0.6], 5.0));
 
+    room(&mut scene, [white, orange, blue, green, lamp]);
+    let half = Vec3::new(0.28, 0.4, 0.28);
+    let block = cuboid(-half, half).turned(25.0).at(-0.4, 0.401, -0.35);
+    scene.object("block", &block.closed(), metal);
+    let gem = icosphere(2).scaled(0.32).at(0.4, 0.45, 0.1).faceted();
+    scene.object("gem", &gem.closed(), glass);
+    scene.camera("main", Vec3::new(0.0, 1.0, 1.95), Vec3::new(0.0, 0.85, 0.0), 55.0);
+    scene
+}
+
+/// The same room with lobes on both sides of the threshold below which they are treated as specular: brushed copper and
+/// frosted glass of alpha 0.05, and the same two of alpha 0.2. A plate of the brushed copper covers the floor.
+pub fn glossy_box() -> Document {
+    let mut scene = Document::default();
+    let white = scene.material(Material::lambert("white", [0.7, 0.7, 0.7]));
+    let orange = scene.material(Material::lambert("orange", [0.75, 0.3, 0.08]));
+    let blue = scene.material(Material::lambert("blue", [0.1, 0.25, 0.65]));
+    let green = scene.material(Material::lambert("green", [0.25, 0.5, 0.2]));
+    let lamp = scene.material(Material::lamp("lamp", [1.0, 0.85, 0.6], 5.0));
+    let roughness = [0.2236, 0.4472];
+    let metals = roughness.map(|r| scene.material(Material::metal("copper", [0.93, 0.6, 0.45], r)));
+    let glasses = roughness.map(|r| scene.material(Material::rough_glass("rose glass", [0.95, 0.7, 0.75], 1.5, r)));
+    room(&mut scene, [white, orange, blue, green, lamp]);
+
+    // Seen from steep to grazing angles: there the change of half-vectors to directions varies most.
+    let plate = quad(Vec3::new(-0.9, 0.01, -0.9), Vec3::Z * 2.4, Vec3::X * 1.8);
+    scene.object("brushed plate", &plate, metals[0]);
+    let half = Vec3::new(0.22, 0.35, 0.22);
+    let block = cuboid(-half, half);
+    scene.object("brushed block", &block.clone().turned(25.0).at(-0.55, 0.371, -0.35).closed(), metals[0]);
+    scene.object("dull block", &block.clone().turned(-10.0).at(0.1, 0.371, -0.6).closed(), metals[1]);
+    let gem = icosphere(1).scaled(0.3).faceted();
+    scene.object("frosted gem", &gem.clone().at(0.45, 0.45, 0.1).closed(), glasses[0]);
+    scene.object("dull gem", &gem.scaled(0.7).at(-0.1, 0.25, 0.4).closed(), glasses[1]);
+    scene.camera("main", Vec3::new(0.0, 1.0, 1.95), Vec3::new(0.0, 0.85, 0.0), 55.0);
+    scene
+}
+
+/// A closed room under a large lamp: floor and ceiling, left wall, right wall, ends, lamp.
+fn room(scene: &mut Document, [white, orange, blue, green, lamp]: [usize; 5]) {
     let (x, y, z) = (Vec3::X * 2.0, Vec3::Y * 2.0, Vec3::Z * 3.0);
     let corner = Vec3::new(-1.0, 0.0, -1.0);
     let shell = Mesh::joined(&[quad(corner, z, x), quad(corner + y, x, z)]);
@@ -60,14 +100,6 @@ pub fn coloured_box() -> Document {
     scene.object("back and front", &ends, green);
     let panel = quad(Vec3::new(-0.5, 1.99, -0.5), Vec3::X, Vec3::Z);
     scene.object("lamp", &panel, lamp);
-
-    let half = Vec3::new(0.28, 0.4, 0.28);
-    let block = cuboid(-half, half).turned(25.0).at(-0.4, 0.401, -0.35);
-    scene.object("block", &block.closed(), metal);
-    let gem = icosphere(2).scaled(0.32).at(0.4, 0.45, 0.1).faceted();
-    scene.object("gem", &gem.closed(), glass);
-    scene.camera("main", Vec3::new(0.0, 1.0, 1.95), Vec3::new(0.0, 0.85, 0.0), 55.0);
-    scene
 }
 
 /// A closed coloured room in which all light starts inside glass (so light and camera are in different media), and a

@@ -168,6 +168,7 @@ fn settings(arguments: &Arguments, camera: &Camera) -> Result<Settings> {
         kernels: arguments.kernels.as_deref().map(Mix::parse).transpose()?,
         maps: arguments.maps,
         device: arguments.device.clone(),
+        ..Settings::default()
     })
 }
 

@@ -120,7 +120,8 @@ mod tests {
     use crate::ensemble::pool::Tag::{Diffuse as D, Transmission as T};
     use crate::kernels::{caustic, guided_lens, lens, multi_chain};
 
-    const MIRRORS: Features = Features { glossy: false, mirror: true, glass: true, sky: false };
+    const MIRRORS: Features =
+        Features { glossy: false, mirror: true, glass: true, rough_glass: false, narrow: false, sky: false };
 
     fn mix(features: Features) -> Mix {
         let weights = [

@@ -6,7 +6,7 @@ use wgpu::util::DeviceExt;
 use super::context::Context;
 use super::layout::{MATERIAL_ROWS, SceneUniform};
 use crate::accel;
-use crate::scene::features::DELTA_ALPHA;
+use crate::scene::material::GLOSSY_AS_SPECULAR_ALPHA;
 use crate::scene::{Camera, Material, Scene};
 use crate::{Error, Result};
 
@@ -28,6 +28,11 @@ const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 impl SceneData {
     /// Packs `scene` as seen by `camera` on a film of the given size in pixels.
     pub fn new(scene: &Scene, camera: &Camera, width: u32, height: u32) -> Result<Self> {
+        Self::with_threshold(scene, camera, width, height, GLOSSY_AS_SPECULAR_ALPHA)
+    }
+
+    /// The same where lobes with alpha below `threshold` are treated as specular, as `Features::with_threshold` has them.
+    pub fn with_threshold(scene: &Scene, camera: &Camera, width: u32, height: u32, threshold: f32) -> Result<Self> {
         let (centre, radius) = scene.bounding_sphere();
         if !(radius > 0.0 && radius.is_finite()) {
             return Err(Error::input(format!("{} has no extent: its triangles all lie in one point", scene.name)));
@@ -50,7 +55,7 @@ impl SceneData {
 
         let mut tables: Vec<[u32; 4]> = Vec::new();
         for material in &scene.materials {
-            tables.extend(pack_material(material));
+            tables.extend(pack_material(material, threshold));
         }
         let lights_offset = tables.len() as u32;
         let (weights, emitters) = light_weights(scene, &accel.order, &corners);
@@ -90,14 +95,10 @@ fn encode_octahedral(n: Vec3) -> u32 {
 }
 
 /// Four rows as `material_at` in shaders/bsdf/material.wesl reads them.
-fn pack_material(m: &Material) -> [[u32; 4]; MATERIAL_ROWS] {
+fn pack_material(m: &Material, threshold: f32) -> [[u32; 4]; MATERIAL_ROWS] {
     let reflectance = ((m.ior - 1.0) / (m.ior + 1.0)).powi(2);
     let f0 = (reflectance * m.specular_color).min(Vec3::ONE) * m.specular;
-    let mut alpha = m.roughness * m.roughness;
-    // Rough transmission is rendered smooth, and near-deltas are deltas.
-    if alpha < DELTA_ALPHA || m.transmission > 0.0 {
-        alpha = 0.0;
-    }
+    let alpha = if m.is_narrow(threshold) { -m.alpha() } else { m.alpha() };
     let sides = if m.double_sided { 2.0 } else { 1.0 };
     let thin = if m.thin { 1.0 } else { 0.0 };
     [

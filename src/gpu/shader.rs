@@ -27,7 +27,7 @@ pub const GUIDES: u32 = 16;
 
 /// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
 /// instead of splats, and deliberately wrong kernels that the tests must catch.
-pub const PASS_FLAGS: [&str; 16] = [
+pub const PASS_FLAGS: [&str; 17] = [
     "guided",
     "multi_chain",
     "walk",
@@ -44,6 +44,7 @@ pub const PASS_FLAGS: [&str; 16] = [
     "twin_id",
     "twin_redraw",
     "twin_places",
+    "twin_jacobian",
 ];
 
 /// The WGSL text of `variant`. Fails only on a fault of the shader sources, with the composer's words.
@@ -104,7 +105,7 @@ mod tests {
     /// Every combination of features and every flag set that the renderer or its tests use.
     #[test]
     fn every_shader_of_every_feature_set_validates() {
-        let flag_sets: [(&str, &[&[&str]]); 9] = [
+        let flag_sets: [(&str, &[&[&str]]); 10] = [
             (
                 "bidirectional",
                 &[
@@ -126,6 +127,7 @@ mod tests {
             ("independence", &[&[], &["maps"]]),
             ("rest", &[&[], &["maps"]]),
             ("path_trace", &[&[]]),
+            ("bsdf_probe", &[&[], &["probe"]]),
             (
                 "light_side",
                 &[
@@ -167,6 +169,8 @@ mod tests {
                     &["multi_chain", "probe", "guided", "probe_back"],
                     &["multi_chain", "probe", "probe_still"],
                     &["multi_chain", "guided", "twin_one_sided"],
+                    &["multi_chain", "twin_jacobian"],
+                    &["twin_jacobian"],
                     &[],
                     &["maps"],
                     &["guided"],
@@ -183,11 +187,18 @@ mod tests {
                 ],
             ),
         ];
-        for bits in 0..16u32 {
-            let features =
-                Features { glossy: bits & 1 != 0, mirror: bits & 2 != 0, glass: bits & 4 != 0, sky: bits & 8 != 0 };
-            if features.glass && !features.mirror {
-                continue; // glass reflects, so it always brings the mirror class
+        for bits in 0..64u32 {
+            let features = Features {
+                glossy: bits & 1 != 0,
+                mirror: bits & 2 != 0,
+                glass: bits & 4 != 0,
+                rough_glass: bits & 8 != 0,
+                narrow: bits & 16 != 0,
+                sky: bits & 32 != 0,
+            };
+            let specular = features.glass || features.narrow;
+            if (specular && !features.mirror) || (features.rough_glass && !features.glossy) {
+                continue; // glass reflects, so it always brings the reflection of its kind
             }
             for (pass, sets) in flag_sets {
                 for flags in sets {

@@ -11,6 +11,7 @@ use crate::gpu::scene::SceneData;
 use crate::kernels::Kernel;
 pub use crate::report::observer::{Observer, Silent};
 use crate::report::statistics::Statistics;
+use crate::scene::material::GLOSSY_AS_SPECULAR_ALPHA;
 use crate::scene::{Features, Scene};
 pub use chains::default_mix;
 
@@ -65,6 +66,8 @@ pub struct Settings {
     pub maps: bool,
     /// Part of a device's name; the best one without.
     pub device: Option<String>,
+    /// Lobes of smaller GGX alpha are treated as specular by mlt and emlt (METHOD.md 2.7). Changes noise, not results.
+    pub glossy_as_specular_alpha: f32,
 }
 
 impl Default for Settings {
@@ -81,6 +84,7 @@ impl Default for Settings {
             kernels: None,
             maps: false,
             device: None,
+            glossy_as_specular_alpha: GLOSSY_AS_SPECULAR_ALPHA,
         }
     }
 }
@@ -100,8 +104,10 @@ pub fn render(scene: &Scene, settings: &Settings, observer: &mut dyn Observer) -
     let start = Instant::now();
     let context = Context::open(settings.device.as_deref())?;
     let camera = scene.camera(settings.camera.as_deref())?;
-    let data = SceneData::new(scene, camera, settings.width, settings.height)?;
-    let features = Features::of(scene);
+    // Path tracing has no use for classes: its lobes stay with the rest, under multiple importance sampling.
+    let threshold = if settings.method == Method::Pt { 0.0 } else { settings.glossy_as_specular_alpha };
+    let data = SceneData::with_threshold(scene, camera, settings.width, settings.height, threshold)?;
+    let features = Features::with_threshold(scene, threshold);
     let statistics = Statistics {
         device: context.description.clone(),
         software_device: context.software,

@@ -1,43 +1,61 @@
 //! What a scene needs, and so what is compiled into its shaders: untaken branches cost full price on software Vulkan.
 
 use super::Scene;
+use super::material::GLOSSY_AS_SPECULAR_ALPHA;
 
 /// One flag per optional part of the shaders; each is a condition of the same name there.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub struct Features {
-    /// Some material has a GGX lobe with a density (alpha at least [`DELTA_ALPHA`]).
+    /// Some material has a GGX lobe among what is connected to.
     pub glossy: bool,
-    /// Some material has a delta reflection: smooth metal, smooth coat, or glass.
+    /// Some material reflects specularly, by a delta or a narrow lobe: smooth metal, smooth coat, or glass.
     pub mirror: bool,
-    /// Some material has a delta transmission.
+    /// Some material transmits specularly, by a delta or a narrow lobe.
     pub glass: bool,
+    /// Some material has a GGX lobe in transmission among what is connected to.
+    pub rough_glass: bool,
+    /// Some specular lobe is not a delta but narrow ([`GLOSSY_AS_SPECULAR_ALPHA`]).
+    pub narrow: bool,
     /// Light comes from a uniform sky, and from nothing else.
     pub sky: bool,
 }
 
-/// Below this GGX alpha (= roughness^2) a lobe is treated as a delta (METHOD.md section 6, item 1).
-pub const DELTA_ALPHA: f32 = 1e-3;
-
 impl Features {
     /// The features that the materials and lights of `scene` use.
     pub fn of(scene: &Scene) -> Self {
+        Self::with_threshold(scene, GLOSSY_AS_SPECULAR_ALPHA)
+    }
+
+    /// The same where lobes with alpha below `threshold` are treated as specular.
+    pub fn with_threshold(scene: &Scene, threshold: f32) -> Self {
         let mut features = Self { sky: scene.sky.is_some(), ..Self::default() };
         let mut used = vec![false; scene.materials.len()];
         for &m in &scene.triangle_materials {
             used[m as usize] = true;
         }
         for (material, _) in scene.materials.iter().zip(&used).filter(|(_, used)| **used) {
-            let smooth = material.roughness * material.roughness < DELTA_ALPHA;
-            let specular = material.metallic > 0.0 || material.specular > 0.0;
-            features.glass |= material.transmission > 0.0;
-            features.mirror |= material.transmission > 0.0 || (specular && smooth);
-            features.glossy |= specular && !smooth && material.transmission < 1.0;
+            let narrow = material.is_narrow(threshold);
+            let smooth = narrow || material.alpha() == 0.0;
+            let transmits = material.transmission > 0.0;
+            let specular = material.is_specular();
+            features.narrow |= narrow;
+            features.glass |= transmits && smooth;
+            features.rough_glass |= transmits && !smooth;
+            features.mirror |= specular && smooth;
+            features.glossy |= specular && !smooth;
         }
         features
     }
 
     /// Every flag with its name, as the shaders call it.
-    pub fn flags(&self) -> [(&'static str, bool); 4] {
-        [("glossy", self.glossy), ("mirror", self.mirror), ("glass", self.glass), ("sky", self.sky)]
+    pub fn flags(&self) -> [(&'static str, bool); 6] {
+        [
+            ("glossy", self.glossy),
+            ("mirror", self.mirror),
+            ("glass", self.glass),
+            ("rough_glass", self.rough_glass),
+            ("narrow", self.narrow),
+            ("sky", self.sky),
+        ]
     }
 }

@@ -2,6 +2,16 @@
 
 use glam::Vec3;
 
+/// Below this GGX alpha (= roughness^2) a lobe is treated as a delta (METHOD.md section 6, item 1).
+pub const DELTA_ALPHA: f32 = 1e-3;
+/// Solid glass of less index contrast than this deflects nothing, however rough: its boundary is rendered smooth, since
+/// directions on its two sides no longer tell the half-vector.
+pub const DELTA_CONTRAST: f32 = 1e-3;
+
+/// Below this alpha a lobe is of the same classes as a delta, unless a caller says otherwise (METHOD.md 2.7): connections
+/// to it fail mostly, and perturbations pass it well by keeping its half-vector. Results do not depend on it.
+pub const GLOSSY_AS_SPECULAR_ALPHA: f32 = 0.1;
+
 /// glTF 2.0 metallic-roughness with the extensions the renderer knows. Colours are linear Rec.709.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
@@ -16,7 +26,7 @@ pub struct Material {
     pub specular: f32,
     /// KHR_materials_specular: specularColorFactor.
     pub specular_color: Vec3,
-    /// KHR_materials_transmission: transmissionFactor; smooth glass where above 0.
+    /// KHR_materials_transmission: transmissionFactor; glass where above 0.
     pub transmission: f32,
     /// Transmission without refraction (KHR_materials_volume: thicknessFactor 0).
     pub thin: bool,
@@ -46,6 +56,23 @@ impl Default for Material {
 }
 
 impl Material {
+    /// GGX alpha of the specular lobes (glTF 2.0, appendix B: roughness^2); 0 where they are deltas.
+    pub fn alpha(&self) -> f32 {
+        let alpha = self.roughness * self.roughness;
+        let matched = self.transmission > 0.0 && !self.thin && self.ior - 1.0 < DELTA_CONTRAST;
+        if alpha < DELTA_ALPHA || matched { 0.0 } else { alpha }
+    }
+
+    /// Whether it has a specular lobe at all, delta or not.
+    pub fn is_specular(&self) -> bool {
+        self.metallic > 0.0 || self.specular > 0.0 || self.transmission > 0.0
+    }
+
+    /// Whether it has a lobe that is treated as specular for being narrower than `threshold`.
+    pub fn is_narrow(&self, threshold: f32) -> bool {
+        self.is_specular() && self.alpha() > 0.0 && self.alpha() < threshold
+    }
+
     /// Whether triangles of this material are lights.
     pub fn emits(&self) -> bool {
         self.emission.max_element() > 0.0

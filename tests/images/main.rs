@@ -7,9 +7,11 @@
 mod calibration;
 mod comparison;
 mod furnace;
+mod glass_furnace;
 mod mitsuba;
 mod renders;
 mod repetition;
 mod sphere;
 mod student;
+mod threshold;
 mod tiles;

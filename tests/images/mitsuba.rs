@@ -26,6 +26,8 @@ const AJAR: &str = "scenes/ajar.glb";
 const RING: &str = "scenes/ring.glb";
 const SLIT: &str = "scenes/slit.glb";
 const MIRRORS: &str = "scenes/mirrors.glb";
+const POOL_WIDE_LAMP: &str = "tests/scenes/pool_wide_lamp.glb";
+const ROUGH_GLASS: &str = "scenes/rough_glass.glb";
 /// The references' longest paths, in edges.
 const FULL_DEPTH: u32 = 12;
 
@@ -131,6 +133,22 @@ fn changed_scenes_are_caught() {
         println!("{}", comparison.report(what));
         assert!(!comparison.passes(), "not caught: {what}");
     }
+}
+
+/// Two of the three solids have alpha 0.0625, which mlt and emlt treat as specular, the third 0.25.
+#[test]
+fn rough_glass_by_pt() {
+    compare("rough_glass", ROUGH_GLASS, FULL_DEPTH, Pt, [24, 24], Power { film: 0.01, tile: 0.06 });
+}
+
+#[test]
+fn rough_glass_by_mlt() {
+    compare("rough_glass", ROUGH_GLASS, FULL_DEPTH, Mlt, [120, 16], Power { film: 0.03, tile: 0.4 });
+}
+
+#[test]
+fn rough_glass_by_emlt() {
+    compare("rough_glass", ROUGH_GLASS, FULL_DEPTH, Emlt, [120, 16], Power { film: 0.03, tile: 0.4 });
 }
 
 /// Light through the gap of a door. Renders of seconds, as above, would see no bias below 6 % of the film and 50 % of a

@@ -29,12 +29,20 @@ fn ring(p: [f32; 2]) -> usize {
     RINGS.iter().position(|r| distance < *r).unwrap_or(RINGS.len())
 }
 
-/// Largest |z| over tiles x lengths and over rings, from `rounds` times 131,072 candidates.
+/// Rows of tiles, for each tag of the vertex next to the camera: what passes specular vertices shows apart from the rest.
+fn band(p: [f32; 2], key: TypeKey) -> usize {
+    let row = (p[1] as u32).min(FILM[1] - 1) / TILE;
+    let tag = if key.edges() > 1 { key.tag_bits(key.edges() - 1) } else { 0 };
+    (3 * row + tag) as usize
+}
+
+/// Largest |z| over tiles x lengths, over rings and over bands, from `rounds` times 131,072 candidates.
 pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps: u32, rounds: u32) -> Verdict {
     let columns = FILM[0] / TILE;
     let tiles = (columns * (FILM[1] / TILE)) as usize;
     let rings = tiles * MAX_EDGES as usize;
-    let bins = rings + RINGS.len() + 1;
+    let bands = rings + RINGS.len() + 1;
+    let bins = bands + 3 * (FILM[1] / TILE) as usize;
     let tile = |p: [f32; 2]| {
         let x = (p[0] as u32).min(FILM[0] - 1) / TILE;
         let y = (p[1] as u32).min(FILM[1] - 1) / TILE;
@@ -73,6 +81,7 @@ pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps
                 let places = [
                     (length(keys[i]) + tile(before[i]), length(keys_after[i]) + tile(after[i])),
                     (rings + ring(before[i]), rings + ring(after[i])),
+                    (bands + band(before[i], keys[i]), bands + band(after[i], keys_after[i])),
                 ];
                 for (from, to) in places.into_iter().filter(|(from, to)| from != to) {
                     for (bin, sign) in [(from, -1.0), (to, 1.0)] {

@@ -60,7 +60,7 @@ pub fn convert(material: &json::Material, index: usize, notes: &mut Notes) -> Re
         converted.emission = Vec3::ZERO;
     }
     check(&mut converted)?;
-    note_unsupported(material, &converted, index, notes);
+    note_unsupported(material, index, notes);
 
     let refraction = match volume {
         _ if converted.transmission == 0.0 => Refraction::Thin,
@@ -100,7 +100,7 @@ fn check(material: &mut Material) -> Result<(), String> {
 }
 
 /// Notes every part of `material` that rendering will ignore.
-fn note_unsupported(material: &json::Material, converted: &Material, index: usize, notes: &mut Notes) {
+fn note_unsupported(material: &json::Material, index: usize, notes: &mut Notes) {
     let extensions = material.extensions.as_ref();
     let pbr = &material.pbr_metallic_roughness;
     let transmission = extensions.and_then(|e| e.transmission.as_ref());
@@ -129,7 +129,6 @@ fn note_unsupported(material: &json::Material, converted: &Material, index: usiz
         (Feature::Texture, textures.iter().any(Option::is_some) || untyped.iter().any(Option::is_some)),
         (Feature::TextureTransform, transformed),
         (Feature::Alpha, material.alpha_mode != Checked::Valid(AlphaMode::Opaque)),
-        (Feature::RoughTransmission, converted.transmission > 0.0 && converted.roughness > 0.0),
         (Feature::Attenuation, volume.filter(attenuates).is_some()),
     ];
     for (feature, _) in features.iter().filter(|(_, present)| *present) {

@@ -16,8 +16,6 @@ pub enum Feature {
     /// Materials.
     Unlit,
     /// Materials.
-    RoughTransmission,
-    /// Materials.
     Attenuation,
     /// Materials with an extension of this name.
     MaterialExtension(&'static str),
@@ -82,9 +80,6 @@ impl Notes {
                 }
                 Feature::Unlit => {
                     format!("Unlit materials are not supported: {materials} rendered as matt ones.")
-                }
-                Feature::RoughTransmission => {
-                    format!("Rough transmission is not supported yet: {materials} rendered as smooth glass.")
                 }
                 Feature::Attenuation => {
                     format!("Attenuation inside volumes is not supported yet: {materials} rendered clear.")
