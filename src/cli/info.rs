@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::Result;
+use crate::kernels;
+use crate::methods::{Method, default_mix};
 use crate::scene::{Features, Scene, import::import};
 
 /// Say what is in a scene: triangles, materials, cameras, lights, size, features
@@ -52,6 +54,19 @@ fn summary(scene: &Scene) -> String {
     row("bounds", format!("centre {:.4} {:.4} {:.4}, radius {radius:.4}", centre.x, centre.y, centre.z));
     let features: Vec<&str> = Features::of(scene).flags().iter().filter(|(_, on)| *on).map(|(name, _)| *name).collect();
     row("features", if features.is_empty() { "diffuse only".into() } else { features.join(", ") });
+    for kernel in kernels::ALL {
+        let runs = [Method::Mlt, Method::Emlt]
+            .into_iter()
+            .filter(|m| default_mix(*m).iter().any(|(k, weight)| k.name == kernel.name && *weight > 0.0))
+            .map(Method::name);
+        let runs: Vec<&str> = runs.collect();
+        let state = match (kernel.useless)(Features::of(scene)) {
+            Some(why) => format!("not used: {why}"),
+            None if runs.is_empty() => "by --kernels alone".into(),
+            None => format!("by default in {}", runs.join(" and ")),
+        };
+        row("kernel", format!("{}, {state} ({})", kernel.name, kernel.about));
+    }
     text
 }
 

@@ -26,7 +26,6 @@ const AJAR: &str = "scenes/ajar.glb";
 const RING: &str = "scenes/ring.glb";
 const SLIT: &str = "scenes/slit.glb";
 const MIRRORS: &str = "scenes/mirrors.glb";
-const POOL_WIDE_LAMP: &str = "tests/scenes/pool_wide_lamp.glb";
 const ROUGH_GLASS: &str = "scenes/rough_glass.glb";
 /// The references' longest paths, in edges.
 const FULL_DEPTH: u32 = 12;
