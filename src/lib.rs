@@ -8,6 +8,7 @@
 //! - [`kernels`]: one transition kernel a file
 //! - [`methods`]: what `pt`, `mlt` and `emlt` are made of, and [`methods::render`]
 //! - [`film`]: images, EXR and PNG files, error metrics
+//! - `panics`: what guards against panics in code that is not ours
 //! - [`report`]: progress while it runs, statistics at the end, metadata in the file
 //! - [`reference`]: host twins of shader functions, for tests
 //! - [`cli`]: the commands
@@ -20,6 +21,7 @@ pub mod film;
 pub mod gpu;
 pub mod kernels;
 pub mod methods;
+mod panics;
 pub mod reference;
 pub mod report;
 pub mod scene;

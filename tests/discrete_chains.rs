@@ -80,6 +80,7 @@ fn broken_ratios_and_borders_do_not_keep_it() {
         (Twin::Clamp, 1e-4, false),
         (Twin::ReverseId, 1e-4, true),
         (Twin::ReverseBacktracksEarlier, 1e-4, true),
+        (Twin::SignFixed, 1e-4, true),
     ];
     let found = twins.map(|(twin, ..)| {
         let (defect, antisymmetry) = frozen_defect(&world, twin);

@@ -69,3 +69,34 @@ pub fn coloured_box() -> Document {
     scene.camera("main", Vec3::new(0.0, 1.0, 1.95), Vec3::new(0.0, 0.85, 0.0), 55.0);
     scene
 }
+
+/// A closed coloured room in which all light starts inside glass (so light and camera are in different media), and a
+/// mirror whose shading normals lean away from its geometric ones: what METHOD.md's corrections C1 to C3 are about.
+pub fn lamp_in_glass() -> Document {
+    let mut scene = Document::default();
+    let white = scene.material(Material::lambert("white", [0.7, 0.7, 0.7]));
+    let orange = scene.material(Material::lambert("orange", [0.75, 0.3, 0.08]));
+    let blue = scene.material(Material::lambert("blue", [0.1, 0.25, 0.65]));
+    let glass = scene.material(Material::glass("rose glass", [0.95, 0.75, 0.8], 1.5));
+    let mirror = scene.material(Material::metal("mirror", [1.0; 3], 0.0));
+    let lamp = scene.material(Material::lamp("lamp", [1.0, 0.85, 0.6], 9.0));
+
+    let (x, y, z) = (Vec3::X * 2.0, Vec3::Y * 2.0, Vec3::Z * 3.0);
+    let corner = Vec3::new(-1.0, 0.0, -1.0);
+    let shell = [quad(corner, z, x), quad(corner + y, x, z), quad(corner, x, y), quad(corner + z, y, x)];
+    scene.object("floor, ceiling, back and front", &Mesh::joined(&shell), white);
+    scene.object("left wall", &quad(corner, y, z), orange);
+    scene.object("right wall", &quad(corner + x, z, y), blue);
+    let centre = Vec3::new(0.25, 0.95, 0.0);
+    let gem = icosphere(2).scaled(0.45).faceted();
+    scene.object("gem", &gem.at(centre.x, centre.y, centre.z).closed(), glass);
+    let core = icosphere(1).scaled(0.2).faceted();
+    scene.object("lamp", &core.at(centre.x, centre.y, centre.z).closed(), lamp);
+    let mut pane = quad(Vec3::new(-0.85, 0.3, -0.8), Vec3::new(0.45, 0.0, -0.15), Vec3::Y * 1.2);
+    for n in &mut pane.normals {
+        *n = (*n + Vec3::new(0.12, 0.1, 0.0)).normalize();
+    }
+    scene.object("leaning mirror", &pane, mirror);
+    scene.camera("main", Vec3::new(0.0, 1.0, 1.95), Vec3::new(0.0, 0.9, 0.0), 55.0);
+    scene
+}

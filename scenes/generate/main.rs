@@ -33,6 +33,7 @@ fn main() -> std::io::Result<()> {
         ("scenes/pool.glb", pool::build(0.004)),
         ("tests/scenes/coloured_box.glb", checks::coloured_box()),
         ("tests/scenes/pool_wide_lamp.glb", pool::build(0.06)),
+        ("tests/scenes/lamp_in_glass.glb", checks::lamp_in_glass()),
         ("tests/scenes/furnace.glb", checks::furnace()),
         ("tests/scenes/sphere_over_plane.glb", checks::sphere_over_plane()),
     ];

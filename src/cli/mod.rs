@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
-use crate::{Error, Result};
+use crate::{Error, Result, panics};
 
 /// Ensemble Metropolis light transport: renders glTF scenes on any Vulkan device, software included.
 #[derive(Debug, Parser)]
@@ -103,7 +103,11 @@ fn usage_sentence(error: &clap::Error) -> String {
 }
 
 /// Says a panic as one sentence and ends the process; of several threads that panic, the first one speaks.
+/// One that is going to be caught is left to who catches it.
 fn report_panic(info: &panic::PanicHookInfo<'_>) {
+    if panics::caught_here() {
+        return;
+    }
     static SAID: AtomicBool = AtomicBool::new(false);
     if SAID.swap(true, Ordering::SeqCst) {
         return;

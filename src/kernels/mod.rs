@@ -5,13 +5,17 @@
 
 pub mod bidirectional;
 pub mod caustic;
+pub mod difference;
 pub mod guided_bidirectional;
 pub mod guided_caustic;
 pub mod guided_lens;
 pub mod guided_multi_chain;
 pub mod independence;
+pub mod jump;
+pub mod kept_lens;
 pub mod lens;
 pub mod multi_chain;
+pub mod walk_lens;
 
 use crate::ensemble::pool::TypeKey;
 use crate::scene::Features;
@@ -49,7 +53,7 @@ pub enum Family {
 }
 
 /// Every kernel there is, in the order of their names on the command line.
-pub const ALL: [&Kernel; 9] = [
+pub const ALL: [&Kernel; 13] = [
     &independence::KERNEL,
     &bidirectional::KERNEL,
     &guided_bidirectional::KERNEL,
@@ -57,6 +61,10 @@ pub const ALL: [&Kernel; 9] = [
     &multi_chain::KERNEL,
     &caustic::KERNEL,
     &guided_lens::KERNEL,
+    &walk_lens::KERNEL,
+    &kept_lens::KERNEL,
+    &difference::KERNEL,
+    &jump::KERNEL,
     &guided_multi_chain::KERNEL,
     &guided_caustic::KERNEL,
 ];

@@ -6,12 +6,15 @@
 mod accessor;
 mod camera;
 mod closed;
+mod draco;
 mod file;
 mod material;
 mod mesh;
+mod meshopt;
 mod nodes;
 mod notes;
 mod place;
+mod view;
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -30,12 +33,12 @@ use crate::scene::{Material, Scene};
 
 /// Most triangles in a scene, so that a small file of many instances cannot fill the memory: 1.4 GiB at worst.
 const MAX_TRIANGLES: u64 = 1 << 24;
-/// Extensions without which the geometry cannot be read at all.
-const COMPRESSIONS: [&str; 3] = ["EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_meshopt_compression"];
 /// Extensions that a file may require: the import either honours them or has a sentence of its own about them.
-const KNOWN: [&str; 12] = [
+const KNOWN: [&str; 15] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -45,6 +48,7 @@ const KNOWN: [&str; 12] = [
     "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_texture_transform",
 ];
 
@@ -54,18 +58,12 @@ const KNOWN: [&str; 12] = [
 /// A file without a camera gets a framed one called "default"; a file without a light gets a white sky.
 ///
 /// # Errors
-/// [`Error::Input`] with one sentence that names the file and the element: unreadable or malformed files, required
-/// compression, degenerate cameras, positions that are not finite, no triangles at all, or more than can be rendered.
+/// [`Error::Input`] with one sentence that names the file and the element: unreadable or malformed files, damaged
+/// compressed data, degenerate cameras, positions that are not finite, no triangles at all, or more than can be rendered.
 pub fn import(path: &Path) -> crate::Result<Scene> {
     let of_file = |why| Error::input(format!("{} {why}", path.display()));
     let of_element = |why| Error::input(format!("{}: {why}", path.display()));
     let file = File::open(path).map_err(of_file)?;
-    let required = &file.root.extensions_required;
-    if let Some(name) = required.iter().find(|name| COMPRESSIONS.contains(&name.as_str())) {
-        let why =
-            format!("needs the glTF extension {name}, which is not supported: export it without mesh compression");
-        return Err(of_file(why));
-    }
     let mut importer = Importer::new(&file);
     importer.scene.name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     for node in nodes::placed(&file).map_err(of_element)? {

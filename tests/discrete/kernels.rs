@@ -22,6 +22,7 @@ pub enum Twin {
     Clamp,
     ReverseId,
     ReverseBacktracksEarlier,
+    SignFixed,
 }
 
 /// One mutation for fixed guides and id: probabilities of accepted moves and of early failures (off the film).
@@ -97,10 +98,31 @@ impl Moves {
     }
 }
 
-/// All mutations of one chain: the guided lens step, a guided jump that changes types, an independence move.
+/// All mutations of one chain: the guided lens step, a step along a difference of guides, a guided jump that changes
+/// types, an independence move.
 pub fn mutation(guides: &Guides, id: u32, twin: Twin) -> Moves {
-    let (lens, jump) = (lens(guides, id, twin), jump(guides, id, twin));
-    Moves::mix(&[(0.5, &lens), (0.25, &jump), (0.25, &independence(guides.world))])
+    let (lens, along, jump) = (lens(guides, id, twin), along_difference(guides, id, twin), jump(guides, id, twin));
+    Moves::mix(&[(0.25, &lens), (0.25, &along), (0.25, &jump), (0.25, &independence(guides.world))])
+}
+
+/// Differential evolution (METHOD.md 3.6 c) on the grid: the difference of the first two guides, its sign a coin. The
+/// twin takes the sign as the id gives it; its ratio is that of the targets all the same.
+fn along_difference(guides: &Guides, id: u32, twin: Twin) -> Moves {
+    let world = guides.world;
+    Moves::metropolis(world, |x, y| {
+        let (from, to) = (&world.states[x], &world.states[y]);
+        let [first, second, ..] = guides.chosen(guides.pool.node(from.key), id)[..] else {
+            return None;
+        };
+        let step = difference(world.states[first].pixel, world.states[second].pixel);
+        let plus = difference(to.pixel, from.pixel) == step;
+        let minus = difference(from.pixel, to.pixel) == step;
+        let probability = match twin {
+            Twin::SignFixed => f64::from(u8::from(plus)),
+            _ => 0.5 * f64::from(u8::from(plus)) + 0.5 * f64::from(u8::from(minus)),
+        };
+        (from.key == to.key && probability > 0.0).then_some((probability, 0.0, 0.0))
+    })
 }
 
 /// Guided lens perturbation (METHOD.md 3.4) on the grid: keeps the type, steps by whole pixels.

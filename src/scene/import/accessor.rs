@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use draco_core::{AttributeValueIndex, DataType, PointAttribute};
+use gltf::json;
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::validation::Checked;
 
@@ -29,26 +31,20 @@ struct Strided<'a> {
     bytes: &'a [u8],
     stride: usize,
     size: usize,
+    /// Which element of the bytes each element is, where it is not the same one.
+    rows: Option<&'a [AttributeValueIndex]>,
 }
 
 impl<'a> Strided<'a> {
     /// `count` elements of `size` bytes from `offset` in a buffer view, checked to lie inside it and its buffer.
     fn new(file: &'a File, view: usize, offset: u64, count: u64, size: usize) -> Result<Self, String> {
-        let Some(json) = file.root.buffer_views.get(view) else {
-            return Err(format!("bufferViews[{view}] does not exist"));
-        };
-        let stride = json.byte_stride.map_or(size, |stride| stride.0);
+        let bytes = file.view(view)?;
+        let stride = file.root.buffer_views[view].byte_stride.map_or(size, |stride| stride.0);
+        let again = |why: String| format!("{why}: export the file again");
         if stride < size {
-            return Err(format!("bufferViews[{view}].byteStride {stride} is less than an element of {size} bytes"));
+            let why = format!("bufferViews[{view}].byteStride {stride} is less than an element of {size} bytes");
+            return Err(again(why));
         }
-        let buffer = file.buffer(json.buffer.value())?;
-        let start = json.byte_offset.map_or(0, |offset| offset.0);
-        let view_end = start.checked_add(json.byte_length.0);
-        let bytes = view_end.and_then(|end| buffer.get(usize::try_from(start).ok()?..usize::try_from(end).ok()?));
-        let Some(bytes) = bytes else {
-            let (buffer_index, have) = (json.buffer.value(), buffer.len());
-            return Err(format!("bufferViews[{view}] reaches beyond buffers[{buffer_index}], which has {have} bytes"));
-        };
         let end = match count.checked_sub(1) {
             None => Some(0),
             Some(last) => {
@@ -56,18 +52,33 @@ impl<'a> Strided<'a> {
             }
         };
         if end.is_none_or(|end| end > bytes.len() as u64) {
-            return Err(format!(
-                "its {count} elements reach beyond bufferViews[{view}], which has {} bytes",
-                bytes.len()
-            ));
+            let have = bytes.len();
+            return Err(again(format!(
+                "its {count} elements reach beyond bufferViews[{view}], which has {have} bytes"
+            )));
         }
         // An empty accessor may start anywhere; nothing of it is read.
         let bytes = bytes.get(offset as usize..).unwrap_or(&[]);
-        Ok(Self { bytes, stride, size })
+        Ok(Self { bytes, stride, size, rows: None })
+    }
+
+    /// The values of `count` vertices in decoded Draco data, `size` bytes each, checked to be there.
+    fn of_draco(attribute: &'a PointAttribute, count: usize, size: usize) -> Option<Self> {
+        let bytes = attribute.buffer().data();
+        let stride = usize::try_from(attribute.byte_stride()).ok().filter(|stride| *stride >= size && size > 0)?;
+        let rows = attribute.explicit_mapping();
+        // Rows that are whole; the last one may lack its padding.
+        let whole = (bytes.len() + (stride - size)) / stride;
+        let fits = match rows {
+            None => count <= whole,
+            Some(rows) => rows.len() >= count && rows.iter().take(count).all(|row| (row.0 as usize) < whole),
+        };
+        fits.then_some(Self { bytes, stride, size, rows })
     }
 
     fn element(&self, index: u64) -> &'a [u8] {
-        let start = index as usize * self.stride;
+        let row = self.rows.map_or(index as usize, |rows| rows[index as usize].0 as usize);
+        let start = row * self.stride;
         &self.bytes[start..start + self.size]
     }
 }
@@ -75,45 +86,74 @@ impl<'a> Strided<'a> {
 impl<'a> Accessor<'a> {
     /// `accessors[index]`, which must be of type `kind` and one of `components`.
     pub fn new(file: &'a File, index: usize, kind: Type, components: &[ComponentType]) -> Result<Self, String> {
-        let path = format!("accessors[{index}]");
-        let again = |why: String| format!("{path}: {why}: export the file again");
-        let json = file.root.accessors.get(index).ok_or_else(|| again("it does not exist".into()))?;
-        let Checked::Valid(component) = json.component_type else {
-            return Err(again("its componentType is unknown".into()));
-        };
-        let component = component.0;
-        if json.type_ != Checked::Valid(kind) || !components.contains(&component) {
-            return Err(again(format!("its type or componentType ({component:?}) is not allowed for this use")));
-        }
+        let (json, component) = checked(file, index, kind, components)?;
+        let path = path(index);
+        let of_path = |why: String| format!("{path}: {why}");
         let size = kind.multiplicity() * component.size();
         let count = json.count.0;
         let base = match json.buffer_view {
             Some(view) => {
                 let offset = json.byte_offset.map_or(0, |offset| offset.0);
-                Some(Strided::new(file, view.value(), offset, count, size).map_err(again)?)
+                Some(Strided::new(file, view.value(), offset, count, size).map_err(of_path)?)
             }
             None => None,
         };
         let mut replaced = HashMap::new();
         if let Some(sparse) = &json.sparse {
             let Checked::Valid(index_component) = sparse.indices.component_type else {
-                return Err(again("its sparse.indices.componentType is unknown".into()));
+                return Err(format!("{path}: its sparse.indices.componentType is unknown: export the file again"));
             };
             let indices_view = sparse.indices.buffer_view.value();
             let values_view = sparse.values.buffer_view.value();
             let (indices_offset, values_offset) = (sparse.indices.byte_offset.0, sparse.values.byte_offset.0);
             let index_size = index_component.0.size();
             let indices =
-                Strided::new(file, indices_view, indices_offset, sparse.count.0, index_size).map_err(again)?;
-            let values = Strided::new(file, values_view, values_offset, sparse.count.0, size).map_err(again)?;
+                Strided::new(file, indices_view, indices_offset, sparse.count.0, index_size).map_err(of_path)?;
+            let values = Strided::new(file, values_view, values_offset, sparse.count.0, size).map_err(of_path)?;
             for i in 0..sparse.count.0 {
                 let index = component_value(index_component.0, indices.element(i)) as u64;
                 if index >= count {
-                    return Err(again(format!("its sparse index {index} is beyond its {count} elements")));
+                    let why = format!("its sparse index {index} is beyond its {count} elements");
+                    return Err(format!("{path}: {why}: export the file again"));
                 }
                 replaced.insert(index, values.element(i));
             }
         }
+        Ok(Self { count, component, normalized: json.normalized, base, replaced, path })
+    }
+
+    /// The same, but with its elements in decoded Draco data: `attribute`, which covers `count` vertices.
+    pub fn of_draco(
+        file: &'a File,
+        index: usize,
+        kind: Type,
+        components: &[ComponentType],
+        (attribute, count): (&'a PointAttribute, usize),
+    ) -> Result<Self, String> {
+        let (json, _) = checked(file, index, kind, components)?;
+        let path = path(index);
+        let again = |why: &str| format!("{path}: {why}: export the file again");
+        // What the data is made of counts, not what the accessor says of it.
+        let component = match attribute.data_type() {
+            DataType::Int8 => ComponentType::I8,
+            DataType::Uint8 => ComponentType::U8,
+            DataType::Int16 => ComponentType::I16,
+            DataType::Uint16 => ComponentType::U16,
+            DataType::Uint32 => ComponentType::U32,
+            DataType::Float32 => ComponentType::F32,
+            _ => return Err(again("its Draco data is of a type that glTF does not have")),
+        };
+        if usize::from(attribute.num_components()) != kind.multiplicity() || !components.contains(&component) {
+            return Err(again("its Draco data is of another type"));
+        }
+        if json.count.0 != count as u64 {
+            let have = json.count.0;
+            return Err(again(&format!("it has {have} elements, but its Draco data has {count}")));
+        }
+        let size = kind.multiplicity() * component.size();
+        let base = Strided::of_draco(attribute, count, size);
+        let base = Some(base.ok_or_else(|| again("its Draco data does not reach all vertices"))?);
+        let (count, replaced) = (count as u64, HashMap::new());
         Ok(Self { count, component, normalized: json.normalized, base, replaced, path })
     }
 
@@ -141,6 +181,30 @@ impl<'a> Accessor<'a> {
             }
         })
     }
+}
+
+/// Name of an accessor in messages.
+fn path(index: usize) -> String {
+    format!("accessors[{index}]")
+}
+
+/// `accessors[index]` and its component type, if it is of type `kind` and one of `components`.
+fn checked<'a>(
+    file: &'a File,
+    index: usize,
+    kind: Type,
+    components: &[ComponentType],
+) -> Result<(&'a json::Accessor, ComponentType), String> {
+    let again = |why: String| format!("{}: {why}: export the file again", path(index));
+    let json = file.root.accessors.get(index).ok_or_else(|| again("it does not exist".into()))?;
+    let Checked::Valid(component) = json.component_type else {
+        return Err(again("its componentType is unknown".into()));
+    };
+    let component = component.0;
+    if json.type_ != Checked::Valid(kind) || !components.contains(&component) {
+        return Err(again(format!("its type or componentType ({component:?}) is not allowed for this use")));
+    }
+    Ok((json, component))
 }
 
 /// The little-endian number that `bytes` begin with; exact, since f64 holds every one of these types.

@@ -1,16 +1,20 @@
 //! The file itself: the .glb container, the JSON, and the buffers it points to, loaded when first asked for.
 
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use base64::Engine;
+use draco_core::Mesh;
 use gltf::json::{self, Root, Value};
 
 /// Parts of the JSON that the renderer does not read. They are dropped before the JSON is typed, so that nothing odd in
 /// them (a texture without a source, an animation that breaks a rule) can refuse a file whose geometry is fine.
 const UNREAD: [&str; 6] = ["animations", "extensions", "images", "samplers", "skins", "textures"];
+
+/// Most bytes that all compressed data of a file may become: twice what [`super::MAX_TRIANGLES`] need as a rule.
+const MAX_UNPACKED: u64 = 1 << 31;
 
 /// A parsed glTF file and its binary data.
 pub struct File {
@@ -21,6 +25,12 @@ pub struct File {
     bin: Option<Vec<u8>>,
     /// One per buffer, filled on first use.
     buffers: Vec<OnceCell<Vec<u8>>>,
+    /// One per buffer view, filled on first use of one that is compressed.
+    pub(super) unpacked: Vec<OnceCell<Vec<u8>>>,
+    /// One per buffer view, filled on first use of one that holds Draco data.
+    pub(super) draco_meshes: Vec<OnceCell<Mesh>>,
+    /// Bytes that decompression may still take, all of it together.
+    pub(super) room: Cell<u64>,
 }
 
 impl File {
@@ -34,8 +44,15 @@ impl File {
         };
         let root = parse(json)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-        let buffers = root.buffers.iter().map(|_| OnceCell::new()).collect();
-        Ok(Self { folder, bin: bin.map(<[u8]>::to_vec), buffers, root })
+        Ok(Self {
+            folder,
+            bin: bin.map(<[u8]>::to_vec),
+            buffers: root.buffers.iter().map(|_| OnceCell::new()).collect(),
+            unpacked: root.buffer_views.iter().map(|_| OnceCell::new()).collect(),
+            draco_meshes: root.buffer_views.iter().map(|_| OnceCell::new()).collect(),
+            room: Cell::new(MAX_UNPACKED),
+            root,
+        })
     }
 
     /// The bytes of `buffers[index]`, which may be fewer or more than its byteLength says.

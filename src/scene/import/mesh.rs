@@ -7,6 +7,7 @@ use gltf::json::validation::Checked;
 use gltf::json::{Index, accessor};
 
 use super::accessor::{Accessor, VECTOR_COMPONENTS};
+use super::draco::Compressed;
 use super::file::File;
 
 const INDEX_COMPONENTS: [ComponentType; 3] = [ComponentType::U8, ComponentType::U16, ComponentType::U32];
@@ -25,13 +26,22 @@ pub struct Attribute<'a> {
 }
 
 impl<'a> Attribute<'a> {
+    /// The attribute called `name`, from `compressed` where that has it.
     fn new(
         file: &'a File,
+        compressed: Option<&Compressed<'a>>,
+        name: &str,
         base: Index<accessor::Accessor>,
         targets: impl Iterator<Item = (f32, Option<Index<accessor::Accessor>>)>,
     ) -> Result<Self, String> {
         let accessor = |index: Index<_>| Accessor::new(file, index.value(), Type::Vec3, &VECTOR_COMPONENTS);
-        let base = accessor(base)?;
+        let base = match compressed {
+            Some(compressed) => match compressed.attribute(name)? {
+                Some(data) => Accessor::of_draco(file, base.value(), Type::Vec3, &VECTOR_COMPONENTS, data)?,
+                None => accessor(base)?,
+            },
+            None => accessor(base)?,
+        };
         let targets = targets
             .filter(|(weight, _)| *weight != 0.0)
             .filter_map(|(weight, index)| Some((f64::from(weight), index?)))
@@ -55,15 +65,41 @@ impl<'a> Attribute<'a> {
     }
 }
 
+/// Where the vertices of triangles are named.
+enum Indices<'a> {
+    Accessor(Accessor<'a>),
+    Draco(Compressed<'a>),
+    /// The vertices in turn, so many of them.
+    All(u64),
+}
+
+impl Indices<'_> {
+    fn count(&self) -> u64 {
+        match self {
+            Self::Accessor(accessor) => accessor.count,
+            Self::Draco(compressed) => 3 * compressed.faces().len() as u64,
+            Self::All(vertices) => *vertices,
+        }
+    }
+
+    fn at(&self, i: u64) -> u64 {
+        match self {
+            Self::Accessor(accessor) => accessor.integer(i),
+            Self::Draco(compressed) => u64::from(compressed.faces()[(i / 3) as usize][(i % 3) as usize].0),
+            Self::All(_) => i,
+        }
+    }
+}
+
 /// Reads a primitive; None if it consists of points or lines. At most `room` triangles are taken.
 /// `weights` are those of the morph targets, missing ones being zero.
 pub fn triangles<'a>(
     file: &'a File,
-    primitive: &Primitive,
+    primitive: &'a Primitive,
     weights: &[f32],
     room: u64,
 ) -> Result<Option<Triangles<'a>>, String> {
-    let Checked::Valid(mode) = primitive.mode else {
+    let Checked::Valid(mut mode) = primitive.mode else {
         return Err("its mode is unknown: export the file again".into());
     };
     if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
@@ -73,22 +109,31 @@ pub fn triangles<'a>(
     let Some(positions) = attribute(Semantic::Positions) else {
         return Err("it has no POSITION: export the file again".into());
     };
+    let compressed = Compressed::of(file, primitive, room)?;
+    let draco = compressed.as_ref();
     let targets = || (primitive.targets.iter().flatten()).zip(weights.iter().copied());
-    let positions = Attribute::new(file, positions, targets().map(|(target, w)| (w, target.positions)))?;
+    let positions =
+        Attribute::new(file, draco, "POSITION", positions, targets().map(|(target, w)| (w, target.positions)))?;
     let normals = match attribute(Semantic::Normals) {
         Some(normals) => {
-            let normals = Attribute::new(file, normals, targets().map(|(target, w)| (w, target.normals)))?;
+            let normals =
+                Attribute::new(file, draco, "NORMAL", normals, targets().map(|(target, w)| (w, target.normals)))?;
             same_count(&normals.base, &positions.base)?;
             Some(normals)
         }
         None => None,
     };
-    let indices = match primitive.indices {
-        Some(index) => Some(Accessor::new(file, index.value(), Type::Scalar, &INDEX_COMPONENTS)?),
-        None => None,
-    };
     let vertices = positions.base.count;
-    let length = indices.as_ref().map_or(vertices, |indices| indices.count);
+    let indices = match (compressed, primitive.indices) {
+        (Some(compressed), _) => {
+            // Draco holds triangles one by one, whatever the mode was before.
+            mode = Mode::Triangles;
+            Indices::Draco(compressed)
+        }
+        (None, Some(index)) => Indices::Accessor(Accessor::new(file, index.value(), Type::Scalar, &INDEX_COMPONENTS)?),
+        (None, None) => Indices::All(vertices),
+    };
+    let length = indices.count();
     let count = match mode {
         Mode::Triangles => length / 3,
         _ => length.saturating_sub(2),
@@ -98,7 +143,7 @@ pub fn triangles<'a>(
         return Err(format!("the scene has more than the {most} triangles that can be rendered: simplify it"));
     }
     let vertex = |at: u64| -> Result<u32, String> {
-        let index = indices.as_ref().map_or(at, |indices| indices.integer(at));
+        let index = indices.at(at);
         if index >= vertices {
             return Err(format!("it names vertex {index} of {vertices}: export the file again"));
         }
