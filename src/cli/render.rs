@@ -7,7 +7,7 @@ use clap::Args;
 
 use crate::ensemble::mix::Mix;
 use crate::film::{Channel, exr, file, png};
-use crate::methods::{self, Budget, Method, Outcome, Settings};
+use crate::methods::{self, Budget, Direct, Method, Outcome, Settings};
 use crate::report::metadata;
 use crate::report::progress::Progress;
 use crate::report::summary::{Summary, peak_memory_bytes};
@@ -71,6 +71,14 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME=WEIGHT,...")]
     kernels: Option<String>,
 
+    /// Who renders direct light, paths of at most 2 edges (mlt, emlt)
+    #[arg(long, value_enum, default_value_t = Direct::Mcmc)]
+    direct: Direct,
+
+    /// Give dark parts more samples: as many as luminance to the power 1 - GAMMA, from 0 to 1 (mlt, emlt)
+    #[arg(long, value_name = "GAMMA", value_parser = parse_gamma)]
+    two_stage: Option<f64>,
+
     /// Device by a part of its name [default: the fastest kind there is]
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
@@ -128,6 +136,16 @@ fn outputs(arguments: &Arguments) -> Result<Outputs> {
     if arguments.maps && arguments.method == Method::Pt {
         return Err(Error::input("--maps needs --method emlt or mlt: path tracing makes no mutations"));
     }
+    if arguments.method == Method::Pt {
+        if arguments.direct == Direct::Pt {
+            return Err(Error::input(
+                "--direct pt needs --method emlt or mlt: with --method pt all light is path traced",
+            ));
+        }
+        if arguments.two_stage.is_some() {
+            return Err(Error::input("--two-stage needs --method emlt or mlt: path tracing has no chains to steer"));
+        }
+    }
     let exr = match &arguments.output {
         Some(path) => path.clone(),
         None => {
@@ -166,6 +184,8 @@ fn settings(arguments: &Arguments, camera: &Camera) -> Result<Settings> {
         camera: arguments.camera.clone(),
         ensemble: arguments.ensemble,
         kernels: arguments.kernels.as_deref().map(Mix::parse).transpose()?,
+        direct: arguments.direct,
+        two_stage: arguments.two_stage,
         maps: arguments.maps,
         device: arguments.device.clone(),
         ..Settings::default()
@@ -211,6 +231,11 @@ fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
 fn parse_seconds(text: &str) -> std::result::Result<f64, String> {
     let seconds = text.parse().ok().filter(|s: &f64| s.is_finite() && *s > 0.0);
     seconds.ok_or_else(|| "give a number of seconds above 0".into())
+}
+
+fn parse_gamma(text: &str) -> std::result::Result<f64, String> {
+    let gamma = text.parse().ok().filter(|g: &f64| (0.0..=1.0).contains(g));
+    gamma.ok_or_else(|| "give a number from 0 (as without) to 1 (all parts of the image alike)".into())
 }
 
 fn parse_ensemble(text: &str) -> std::result::Result<u32, String> {
@@ -262,7 +287,14 @@ mod tests {
         assert_eq!(names.png, Path::new("a.b.png"));
         assert_eq!(names.maps.unwrap(), Path::new("a.b.maps.png"));
         assert_eq!(outputs(&arguments("a.glb -o x/y.EXR")).unwrap().png, Path::new("x/y.png"));
-        for bad in ["a.glb -o a.png", "a.glb -o a", "..", "a.glb --maps --method pt"] {
+        for bad in [
+            "a.glb -o a.png",
+            "a.glb -o a",
+            "..",
+            "a.glb --maps --method pt",
+            "a.glb --direct pt --method pt",
+            "a.glb --two-stage 0.5 --method pt",
+        ] {
             assert_eq!(outputs(&arguments(bad)).unwrap_err().exit_status(), 2, "{bad}");
         }
     }
@@ -281,5 +313,9 @@ mod tests {
             assert!(parse_ensemble(text).is_err(), "{text}");
         }
         assert_eq!(parse_ensemble("16"), Ok(16));
+        for text in ["-0.1", "1.1", "nan", "", "half"] {
+            assert!(parse_gamma(text).is_err(), "{text}");
+        }
+        assert_eq!([parse_gamma("0"), parse_gamma("1")], [Ok(0.0), Ok(1.0)]);
     }
 }

@@ -1,6 +1,7 @@
 //! The start: b and the seeds, from bidirectional candidates (METHOD.md 1.2, 1.3).
 
-use super::strategies::Strategies;
+use super::strategies::{INDIRECT_EDGES, Strategies};
+use super::two_stage::PixelWeights;
 use crate::gpu::layout::PassUniform;
 use crate::gpu::run::{Buffer, Dispatch, Run};
 use crate::gpu::shader::Variant;
@@ -10,7 +11,8 @@ use crate::scene::Features;
 
 /// Candidates from which b and the seeds come.
 pub const CANDIDATES: u32 = 1 << 20;
-/// Candidates from which the strategies' probabilities are set before; they are not used again.
+/// Candidates from which the strategies' probabilities, and w of a two-stage target, are set before; neither b nor the
+/// start uses them again.
 const PILOT: u32 = 1 << 16;
 /// Candidates a dispatch.
 pub const BATCH: u32 = 1 << 16;
@@ -68,15 +70,23 @@ impl Candidate {
 pub struct Bootstrap {
     pub strategies: Strategies,
     pub b: Mean,
+    /// The integral of the chains' target: of I / w where that is two-stage, else b.
+    pub target: Mean,
+    /// w of a two-stage target.
+    pub pixel_weights: Option<PixelWeights>,
     pub rays: u64,
-    /// Largest share of one candidate in all weights: above 1/100 the seeds are many copies of one path.
+    /// Largest share of one candidate in what the seeds are drawn by: above 1/100 the seeds are many copies of one path.
     pub largest_share: f64,
 }
 
 /// The part of a run's set-up that the start needs.
 pub struct Start<'s> {
     pub features: Features,
+    /// 1, or [`INDIRECT_EDGES`] where direct light is made apart.
+    pub min_edges: u32,
     pub max_edges: u32,
+    /// Exponent of a two-stage target.
+    pub two_stage: Option<f64>,
     pub seed: u32,
     /// Paths in the ensemble, both halves.
     pub paths: u32,
@@ -87,14 +97,21 @@ pub struct Start<'s> {
 }
 
 /// The two pipelines of the start.
-pub fn variants(features: Features, max_edges: u32) -> [Variant; 2] {
-    [vec!["candidates"], vec![]].map(|flags| Variant { pass: "bootstrap", features, max_edges, flags })
+pub fn variants(features: Features, min_edges: u32, max_edges: u32) -> [Variant; 2] {
+    [&["candidates"][..], &[]].map(|flags| {
+        let mut flags = flags.to_vec();
+        if min_edges == INDIRECT_EDGES {
+            flags.push("indirect");
+        }
+        Variant { pass: "bootstrap", features, max_edges, flags }
+    })
 }
 
 impl Start<'_> {
-    /// Estimates b and fills the chains of `run`; its output buffer is left with candidates in it.
-    pub fn run(&mut self, run: &mut Run) -> crate::Result<Bootstrap> {
-        let mut strategies = Strategies::uniform(self.max_edges, self.features.sky);
+    /// Estimates b and fills the chains of `run`; its output buffer is left with candidates in it. `None` where no
+    /// candidate carries light.
+    pub fn run(&mut self, run: &mut Run) -> crate::Result<Option<Bootstrap>> {
+        let mut strategies = Strategies::uniform(self.min_edges..=self.max_edges, self.features.sky);
         let mut rays = 0;
         let (pilot, list) = self.candidates(run, &strategies, PILOT, PILOT_PASS, &mut rays)?;
         strategies = strategies.adapted(
@@ -102,19 +119,24 @@ impl Start<'_> {
                 .zip(&pilot)
                 .map(|(strategy, candidate)| (*strategy, candidate.weight(), f64::from(candidate.rays))),
         );
+        let pixel_weights = self.two_stage.map(|gamma| {
+            let splats: Vec<_> = pilot.iter().map(|candidate| (candidate.pixel, candidate.weight())).collect();
+            PixelWeights::from_pilot(self.film, gamma, &splats)
+        });
         let (candidates, list) = self.candidates(run, &strategies, CANDIDATES, CANDIDATE_PASS, &mut rays)?;
-        let weights: Vec<f64> = candidates.iter().map(Candidate::weight).collect();
         let mut b = Mean::default();
-        weights.iter().for_each(|w| b.add(*w));
+        candidates.iter().for_each(|candidate| b.add(candidate.weight()));
         if b.sum <= 0.0 {
-            return Err(crate::Error::input(
-                "no light reaches the camera: turn the camera, add a light, or allow longer paths with --max-depth",
-            ));
+            return Ok(None);
         }
-        let largest_share = weights.iter().copied().fold(0.0, f64::max) / b.sum;
+        let counts = |pixel| pixel_weights.as_ref().map_or(1.0, |w| w.at(pixel));
+        let weights: Vec<f64> = candidates.iter().map(|c| c.weight() / counts(c.pixel)).collect();
+        let mut target = Mean::default();
+        weights.iter().for_each(|w| target.add(*w));
+        let largest_share = weights.iter().copied().fold(0.0, f64::max) / target.sum;
         let chosen = self.choose(&candidates, &weights);
         self.fill(run, &list, &chosen)?;
-        Ok(Bootstrap { strategies, b, rays, largest_share })
+        Ok(Some(Bootstrap { strategies, b, target, pixel_weights, rays, largest_share }))
     }
 
     /// Makes `count` candidates, with their strategies; systematic over strategies, so neighbours share one.
@@ -130,7 +152,7 @@ impl Start<'_> {
         let offset = rng::uniform(rng::random_words(self.seed, 0, pass_index, u32::MAX)[0]);
         let list = strategies.systematic(count, offset);
         let mut candidates: Vec<Candidate> = Vec::with_capacity(count as usize);
-        let [variant, _] = variants(self.features, self.max_edges);
+        let [variant, _] = variants(self.features, self.min_edges, self.max_edges);
         for first in (0..count).step_by(BATCH as usize) {
             let entries = BATCH.min(count - first);
             let words: Vec<u32> =
@@ -186,7 +208,7 @@ impl Start<'_> {
     pub fn fill(&self, run: &mut Run, list: &[[u32; 2]], chosen: &[u32]) -> crate::Result<()> {
         let words: Vec<u32> = chosen.iter().flat_map(|&i| [list[i as usize][0], list[i as usize][1], i]).collect();
         run.set_lists(&words);
-        let [_, variant] = variants(self.features, self.max_edges);
+        let [_, variant] = variants(self.features, self.min_edges, self.max_edges);
         let uniform = PassUniform {
             entries: chosen.len() as u32,
             pass_index: CANDIDATE_PASS,

@@ -7,5 +7,6 @@ pub mod pool;
 pub mod similarity;
 pub mod strategies;
 pub mod sweep;
+pub mod two_stage;
 mod type_key;
 mod work;

@@ -4,6 +4,8 @@
 //! paths can find (through glass, from a diffuse surface, through glass) comes at any length from one walk, where
 //! strategies of fixed length would find each length apart, and so rarely that a start misses most of them.
 
+use std::ops::RangeInclusive;
+
 use crate::gpu::layout::{STRATEGY_COLUMNS, STRATEGY_ENTRIES};
 
 /// Share of probability that stays spread evenly, so that no strategy's paths can be missed.
@@ -11,10 +13,12 @@ const DEFENSIVE_SHARE: f64 = 0.1;
 
 /// The strategy that walks from the camera to the first light; edges 0 stand for "as many as it takes".
 pub const WALK: [u32; 2] = [0, 0];
+/// Edges of the shortest path that is not direct light. Twin in shaders/target/contribution.wesl.
+pub const INDIRECT_EDGES: u32 = 3;
 /// Share of the walk before anything is known.
 const WALK_SHARE: f64 = 0.25;
 
-/// P(edges k, light-side vertices s) for the walk, k = 1 .. max_edges and s = 0 .. k, fixed before the run.
+/// P(edges k, light-side vertices s) for the walk, k in a run's range of edges and s = 0 .. k, fixed before the run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Strategies {
     /// Pairs (k, s) that can make a path, with their probabilities.
@@ -24,14 +28,16 @@ pub struct Strategies {
 }
 
 impl Strategies {
-    /// A quarter for the walk; then every length alike, and every split of it. Under a sky, light subpaths are not traced: s is 0 or 1.
-    pub fn uniform(max_edges: u32, sky: bool) -> Self {
+    /// A quarter for the walk, which finds any length; then every length of `edges` alike, and every split of it. Under a
+    /// sky, light subpaths are not traced: s is 0 or 1.
+    pub fn uniform(edges: RangeInclusive<u32>, sky: bool) -> Self {
         let mut entries = vec![(WALK, WALK_SHARE)];
-        for k in 1..=max_edges {
+        let lengths = f64::from(edges.end() - edges.start() + 1);
+        for k in edges {
             // A sky does not connect to the pinhole (s = k = 1): its directions would all be delta events there.
             let last = if sky { (k - 1).min(1) } else { k };
             for s in 0..=last {
-                entries.push(([k, s], (1.0 - WALK_SHARE) / (f64::from(max_edges) * f64::from(last + 1))));
+                entries.push(([k, s], (1.0 - WALK_SHARE) / (lengths * f64::from(last + 1))));
             }
         }
         Self::from_entries(entries)
@@ -114,7 +120,7 @@ mod tests {
 
     #[test]
     fn systematic_drawing_follows_the_probabilities() {
-        let strategies = Strategies::uniform(12, false);
+        let strategies = Strategies::uniform(1..=12, false);
         let list = strategies.systematic(1 << 16, 0.37);
         assert!(list.is_sorted());
         for ([k, s], p) in &strategies.entries {
@@ -124,8 +130,22 @@ mod tests {
     }
 
     #[test]
+    fn shorter_paths_than_asked_for_come_from_the_walk_alone() {
+        for (sky, splits) in [(false, 4.0 + 5.0 + 6.0), (true, 3.0 * 2.0)] {
+            let strategies = Strategies::uniform(INDIRECT_EDGES..=5, sky);
+            assert!((strategies.cumulative.last().unwrap() - 1.0).abs() < 1e-12);
+            assert_eq!(strategies.entries.len() as f64, 1.0 + splits);
+            let list = strategies.systematic(4096, 0.5);
+            assert!(list.iter().all(|s| *s == WALK || (3..=5).contains(&s[0])), "{list:?}");
+            let table = strategies.log_table();
+            assert!(table[STRATEGY_COLUMNS..3 * STRATEGY_COLUMNS].iter().all(|p| *p == -1e30));
+            assert!(table[0] > -1e29 && table[3 * STRATEGY_COLUMNS] > -1e29);
+        }
+    }
+
+    #[test]
     fn adaptation_keeps_every_strategy_and_sums_to_one() {
-        let start = Strategies::uniform(6, false);
+        let start = Strategies::uniform(1..=6, false);
         let pilot = start.systematic(4096, 0.5).into_iter().map(|s| (s, f64::from(u8::from(s == [3, 1])), 4.0));
         let adapted = start.adapted(pilot);
         assert!((adapted.cumulative.last().unwrap() - 1.0).abs() < 1e-12);

@@ -8,6 +8,7 @@ use super::cuts::CutList;
 use super::mix::{HALF_SWEEP, Mix};
 use super::pool::{Pool, TypeKey};
 use super::similarity::similarity_median;
+use super::strategies::INDIRECT_EDGES;
 use super::work::Work;
 use crate::gpu::layout::{
     COUNTER_ACCEPTED, COUNTER_JUMP_HIGH, COUNTER_JUMP_LOW, COUNTER_NON_FINITE, COUNTER_RAYS, COUNTER_WORDS, JUMP_SCALE,
@@ -30,8 +31,12 @@ const INDEPENDENCE: usize = 0;
 #[derive(Debug, Clone, Copy)]
 pub struct Build {
     pub features: Features,
+    /// 1, or [`INDIRECT_EDGES`] where direct light is made apart.
+    pub min_edges: u32,
     pub max_edges: u32,
     pub maps: bool,
+    /// Whether the chains' target is I / w.
+    pub two_stage: bool,
     pub seed: u32,
     /// Paths in the ensemble, both halves.
     pub paths: u32,
@@ -41,8 +46,13 @@ impl Build {
     /// The pipeline of a pass that may splat directions.
     pub fn variant(&self, pass: &'static str, flags: &[&'static str]) -> Variant {
         let mut flags = flags.to_vec();
-        if self.maps && !["weigh", "gather"].contains(&pass) {
-            flags.push("maps");
+        if !["weigh", "gather"].contains(&pass) {
+            flags.extend(self.maps.then_some("maps"));
+            flags.extend(self.two_stage.then_some("two_stage"));
+        }
+        // The other passes keep types, or draw lengths in range.
+        if self.min_edges == INDIRECT_EDGES && pass == "independence" {
+            flags.push("indirect");
         }
         Variant { pass, features: self.features, max_edges: self.max_edges, flags }
     }
@@ -94,8 +104,9 @@ pub struct Ensemble {
     tallies: Vec<Tally>,
     /// Mutations of paths that no kernel applied to.
     rests: u64,
-    /// Proposals of the independence kernel: further samples of b.
-    proposals: Mean,
+    /// b and the integral of the target: their samples of the start, and every proposal of the independence kernel.
+    b: Mean,
+    target: Mean,
 }
 
 /// Words of the lists that a run over `paths` paths needs: dispatch lists and nodes, or a batch of candidates.
@@ -109,6 +120,10 @@ impl Ensemble {
     /// Takes over chains that the bootstrap filled.
     pub fn new(run: &mut Run, build: Build, mix: Mix, bootstrap: Bootstrap) -> Result<Self> {
         run.set_strategies(&bootstrap.strategies.log_table());
+        if let Some(weights) = &bootstrap.pixel_weights {
+            run.set_pixel_weights(weights.table());
+        }
+        let Bootstrap { b, target, .. } = bootstrap;
         let tallies = vec![Tally::default(); mix.kernels().len()];
         let mut ensemble = Self {
             build,
@@ -119,7 +134,8 @@ impl Ensemble {
             pass_index: 0,
             tallies,
             rests: 0,
-            proposals: Mean::default(),
+            b,
+            target,
         };
         for half in 0..2 {
             let rows = ensemble.read_key_rows(run, half)?;
@@ -156,7 +172,10 @@ impl Ensemble {
                 self.halves[half].pool = self.pool_of(&rows, half)?;
                 if kernel == INDEPENDENCE {
                     for row in &rows {
-                        self.proposals.add(f64::from(f32::from_bits(row[3])).exp());
+                        let log_weight = f64::from(f32::from_bits(row[3]));
+                        let log_w = if self.build.two_stage { f64::from(f32::from_bits(row[2])) } else { 0.0 };
+                        self.b.add(log_weight.exp());
+                        self.target.add((log_weight - log_w).exp());
                     }
                 }
             }
@@ -203,7 +222,7 @@ impl Ensemble {
             &self.halves[1 - half].pool,
             self.first_path(1 - half),
             |path, dimension| rng::random_words(self.build.seed, path, self.pass_index, dimension),
-            1..=self.build.max_edges,
+            self.build.min_edges..=self.build.max_edges,
         );
         run.set_lists(&list.words);
         let base = PassUniform { pass_index: self.pass_index, ..self.build.uniform() };
@@ -339,12 +358,17 @@ impl Ensemble {
 
     /// b and its standard error, from the candidates and all independent proposals since.
     pub fn b(&self) -> (f64, f64) {
-        let all = Mean {
-            count: self.bootstrap.b.count + self.proposals.count,
-            sum: self.bootstrap.b.sum + self.proposals.sum,
-            sum_of_squares: self.bootstrap.b.sum_of_squares + self.proposals.sum_of_squares,
-        };
-        (all.mean(), all.standard_error())
+        (self.b.mean(), self.b.standard_error())
+    }
+
+    /// The integral of the chains' target, by which the film is scaled (METHOD.md 1.4).
+    pub fn target(&self) -> f64 {
+        self.target.mean()
+    }
+
+    /// w by number of the pixel: what a mutation there counts on the film.
+    pub fn pixel_weight(&self, pixel: usize) -> f64 {
+        self.bootstrap.pixel_weights.as_ref().map_or(1.0, |weights| weights.of_pixel(pixel as u32))
     }
 
     /// Rays of the start and of all mutations.

@@ -45,6 +45,11 @@ pub const STRATEGY_COLUMNS: usize = 32;
 /// Entries of the strategy table: edges 0 .. 31 times columns.
 pub const STRATEGY_ENTRIES: usize = 1024;
 
+/// Tiles of the film along its longer side, on which w of the two-stage target is constant, and words of their table,
+/// which lies behind the strategy table.
+pub const WEIGHT_TILES: u32 = 32;
+pub const WEIGHT_ENTRIES: usize = 1024;
+
 /// Rows of the chain state before the vertices (`ROW_VERTICES`), and the row of the type key (`ROW_KEY`).
 pub const ROW_VERTICES: usize = 4;
 pub const ROW_KEY: usize = 3;
@@ -161,6 +166,12 @@ mod tests {
         );
         let (_, span) = struct_of(&module("weigh"), "StrategyUniform");
         assert_eq!(span as usize, 4 * STRATEGY_ENTRIES);
+        let flags = vec!["two_stage"];
+        let two_stage = Variant { pass: "independence", features: Features::default(), max_edges: 12, flags };
+        let module = validate(&compose(&two_stage).unwrap()).unwrap();
+        let (members, span) = struct_of(&module, "StrategyUniform");
+        assert_eq!(members[1].1 as usize, 4 * STRATEGY_ENTRIES);
+        assert_eq!(span as usize, 4 * (STRATEGY_ENTRIES + WEIGHT_ENTRIES));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use super::context::Context;
-use super::layout::{PassUniform, STRATEGY_ENTRIES};
+use super::layout::{PassUniform, STRATEGY_ENTRIES, WEIGHT_ENTRIES};
 use super::scene::{GpuScene, SceneData};
 use super::shader::{Variant, compose};
 use crate::{Error, Result};
@@ -92,7 +92,7 @@ impl<'a> Run<'a> {
         let output = storage("film", sizes.output, "a smaller --size")?;
         let counters = storage("counters", sizes.counters, "fewer kernels")?;
         let uniforms = uniform("passes", PASS_SLOTS * PASS_STRIDE);
-        let strategies = uniform("strategies", 4 * STRATEGY_ENTRIES);
+        let strategies = uniform("strategies", 4 * (STRATEGY_ENTRIES + WEIGHT_ENTRIES));
         let read_write = wgpu::BufferBindingType::Storage { read_only: false };
         let layout = super::buffer_layout(
             device,
@@ -133,6 +133,12 @@ impl<'a> Run<'a> {
     /// Sets log P(edges, light-side vertices), row-major.
     pub fn set_strategies(&self, log_probability: &[f32; STRATEGY_ENTRIES]) {
         self.context.queue.write_buffer(&self.strategies, 0, bytemuck::cast_slice(log_probability));
+    }
+
+    /// Sets w of the two-stage target, by tiles of the film.
+    pub fn set_pixel_weights(&self, weights: &[f32; WEIGHT_ENTRIES]) {
+        let offset = 4 * STRATEGY_ENTRIES as u64;
+        self.context.queue.write_buffer(&self.strategies, offset, bytemuck::cast_slice(weights));
     }
 
     /// Replaces the beginning of the lists.

@@ -2,9 +2,10 @@
 
 use std::time::Instant;
 
-use super::{Budget, Method, Observer, Outcome, Settings};
+use super::{Budget, Direct, Method, Observer, Outcome, Settings};
 use crate::ensemble::bootstrap::{self, BATCH, Start};
 use crate::ensemble::mix::Mix;
+use crate::ensemble::strategies::INDIRECT_EDGES;
 use crate::ensemble::sweep::{Build, Ensemble, list_words};
 use crate::film::{Channel, Image};
 use crate::gpu::context::Context;
@@ -50,10 +51,13 @@ pub(super) fn render(
     let channels = if settings.maps { 5 } else { 3 };
     let weights = settings.kernels.clone().unwrap_or_else(|| default_mix(settings.method));
     let mix = Mix::new(&weights, features);
+    let min_edges = if settings.direct == Direct::Pt { INDIRECT_EDGES } else { 1 };
     let build = Build {
         features,
+        min_edges,
         max_edges: settings.max_depth,
         maps: settings.maps,
+        two_stage: settings.two_stage.is_some(),
         seed: settings.seed,
         paths: settings.ensemble,
     };
@@ -72,7 +76,7 @@ pub(super) fn render(
     observer.stage("compiling shaders");
     let start = Instant::now();
     let mut variants = build.variants(&mix);
-    variants.extend(bootstrap::variants(features, settings.max_depth));
+    variants.extend(bootstrap::variants(features, min_edges, settings.max_depth));
     run.compile(&variants)?;
     statistics.compile_s = start.elapsed().as_secs_f64();
 
@@ -80,7 +84,9 @@ pub(super) fn render(
     let start = Instant::now();
     let bootstrap = Start {
         features,
+        min_edges,
         max_edges: settings.max_depth,
+        two_stage: settings.two_stage,
         seed: settings.seed,
         paths: settings.ensemble,
         stride: settings.ensemble,
@@ -88,6 +94,16 @@ pub(super) fn render(
         observer,
     }
     .run(&mut run)?;
+    let Some(bootstrap) = bootstrap else {
+        if settings.direct == Direct::Mcmc {
+            return Err(crate::Error::input(
+                "no light reaches the camera: turn the camera, add a light, or allow longer paths with --max-depth",
+            ));
+        }
+        statistics.seeding_s = start.elapsed().as_secs_f64();
+        statistics.notes.push("no path of 3 edges or more was found to carry light: all of it is direct".into());
+        return Ok(black(settings, statistics));
+    };
     if bootstrap.largest_share > 0.01 {
         statistics.notes.push(format!(
             "one start candidate holds {:.1} % of all light: b and the start are uncertain, compare several seeds",
@@ -128,21 +144,34 @@ pub(super) fn render(
 
     let bytes = run.read(Buffer::Output, 0..film_bytes)?;
     let film = Film { words: bytemuck::cast_slice(&bytes), channels: channels as usize };
-    statistics.integrity = Some(film.luminance() / ensemble.mutations() as f64 - 1.0);
-    let scale = ensemble.b().0 * pixels as f64 / ensemble.mutations() as f64;
+    statistics.integrity =
+        Some(film.luminance(|pixel| ensemble.pixel_weight(pixel)) / ensemble.mutations() as f64 - 1.0);
+    let scale = ensemble.target() * pixels as f64 / ensemble.mutations() as f64;
     let image = Image {
         width: settings.width,
         height: settings.height,
         pixels: (0..pixels as usize).map(|p| [0, 1, 2].map(|c| (film.value(p, c) * scale) as f32)).collect(),
     };
-    let mut layers = Vec::new();
-    if settings.maps {
-        for (name, channel) in [("Maps.Horizontal", 3), ("Maps.Vertical", 4)] {
-            let values = (0..pixels as usize).map(|p| film.value(p, channel) as f32).collect();
-            layers.push(Channel { name: name.into(), values });
-        }
-    }
+    let layers = maps(settings, |pixel, channel| film.value(pixel, channel) as f32);
     Ok(Outcome { image, channels: layers, statistics })
+}
+
+/// The layers that were asked for, by pixel and channel of the film.
+fn maps(settings: &Settings, value: impl Fn(usize, usize) -> f32) -> Vec<Channel> {
+    let pixels = settings.width as usize * settings.height as usize;
+    let layer = |(name, channel): (&str, usize)| Channel {
+        name: name.into(),
+        values: (0..pixels).map(|pixel| value(pixel, channel)).collect(),
+    };
+    let names = [("Maps.Horizontal", 3), ("Maps.Vertical", 4)];
+    names.into_iter().filter(|_| settings.maps).map(layer).collect()
+}
+
+/// What chains without any light to carry make.
+pub(super) fn black(settings: &Settings, statistics: Statistics) -> Outcome {
+    let Settings { width, height, .. } = *settings;
+    let image = Image { width, height, pixels: vec![[0.0; 3]; width as usize * height as usize] };
+    Outcome { image, channels: maps(settings, |_, _| 0.0), statistics }
 }
 
 /// The integer film as the shaders leave it: low and high word per pixel and channel.
@@ -157,9 +186,10 @@ impl Film<'_> {
         (f64::from(self.words[word]) + f64::from(self.words[word + 1]) * 2f64.powi(32)) / FILM_SCALE
     }
 
-    /// Total splatted luminance: one per mutation if no weight is lost (METHOD.md 1.4).
-    fn luminance(&self) -> f64 {
+    /// Total splatted luminance over w of the pixel: one per mutation if no weight is lost (METHOD.md 1.4, C12).
+    fn luminance(&self, pixel_weight: impl Fn(usize) -> f64) -> f64 {
         let pixels = self.words.len() / (2 * self.channels);
-        (0..pixels).map(|p| 0.2126 * self.value(p, 0) + 0.7152 * self.value(p, 1) + 0.0722 * self.value(p, 2)).sum()
+        let luminance = |p| 0.2126 * self.value(p, 0) + 0.7152 * self.value(p, 1) + 0.0722 * self.value(p, 2);
+        (0..pixels).map(|p| luminance(p) / pixel_weight(p)).sum()
     }
 }

@@ -15,11 +15,13 @@ use crate::scene::Features;
 /// Passes between looks at the clock and the observer.
 const PASSES_PER_SUBMISSION: u32 = 4;
 
+/// `first_pass` keys the random numbers, together with the seed: renders whose images are added take numbers of their own.
 pub(super) fn render(
     context: &Context,
     features: Features,
     data: &SceneData,
     settings: &Settings,
+    first_pass: u32,
     observer: &mut dyn Observer,
     mut statistics: Statistics,
 ) -> crate::Result<Outcome> {
@@ -62,7 +64,7 @@ pub(super) fn render(
                 variant: variant.clone(),
                 uniform: PassUniform {
                     seed: settings.seed,
-                    pass_index: samples + i,
+                    pass_index: first_pass + samples + i,
                     entries: pixels as u32,
                     ..Default::default()
                 },

@@ -19,6 +19,12 @@ pub fn attributes(scene: &Scene, settings: &Settings, statistics: &Statistics) -
         // EXR reserves plain `version`.
         ("emltVersion", env!("CARGO_PKG_VERSION").into()),
     ];
+    if statistics.direct_samples > 0 {
+        list.push(("directSamples", (statistics.direct_samples as f64).into()));
+    }
+    if let Some(gamma) = settings.two_stage {
+        list.push(("twoStage", gamma.into()));
+    }
     if let Some((b, standard_error)) = statistics.b {
         list.push(("b", b.into()));
         list.push(("bStandardError", standard_error.into()));
@@ -55,14 +61,18 @@ mod tests {
         let statistics = Statistics {
             samples: 400,
             b: Some((0.5, 0.01)),
+            direct_samples: 50,
             kernels: vec![kernel("lens", 100), kernel("bidirectional", 300)],
             ..Default::default()
         };
         let scene = Scene { name: "box".into(), ..Default::default() };
-        let list = attributes(&scene, &Settings::default(), &statistics);
+        let settings = Settings { two_stage: Some(0.5), ..Default::default() };
+        let list = attributes(&scene, &settings, &statistics);
         assert_eq!(value(&list, "scene"), Some(&"box".into()));
         assert_eq!(value(&list, "method"), Some(&"emlt".into()));
         assert_eq!(value(&list, "mutations"), Some(&400.0.into()));
+        assert_eq!(value(&list, "directSamples"), Some(&50.0.into()));
+        assert_eq!(value(&list, "twoStage"), Some(&0.5.into()));
         assert_eq!(value(&list, "bStandardError"), Some(&0.01.into()));
         assert_eq!(value(&list, "kernelMix"), Some(&"lens 0.250, bidirectional 0.750".into()));
     }
@@ -72,7 +82,7 @@ mod tests {
         let settings = Settings { method: Method::Pt, ..Default::default() };
         let list = attributes(&Scene::default(), &settings, &Statistics { samples: 7, ..Default::default() });
         assert_eq!(value(&list, "samples"), Some(&7.0.into()));
-        for absent in ["mutations", "b", "bStandardError", "kernelMix", "ensemble"] {
+        for absent in ["mutations", "directSamples", "twoStage", "b", "bStandardError", "kernelMix", "ensemble"] {
             assert_eq!(value(&list, absent), None, "{absent}");
         }
     }

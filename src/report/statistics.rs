@@ -21,12 +21,14 @@ pub struct Statistics {
     pub software_device: bool,
     /// Mutations (mlt, emlt) or samples (pt) in the image.
     pub samples: u64,
+    /// Samples of the path tracer that made direct light apart from the mutations (--direct pt).
+    pub direct_samples: u64,
     pub rays: u64,
     /// Empty for pt.
     pub kernels: Vec<KernelStatistics>,
-    /// Mean image luminance b and its standard error; none for pt.
+    /// Mean image luminance b and its standard error, without direct light that was made apart; none for pt.
     pub b: Option<(f64, f64)>,
-    /// Total splatted luminance over mutations, minus one; none for pt.
+    /// Total splatted luminance (over w of a two-stage target) over mutations, minus one; none for pt.
     pub integrity: Option<f64>,
     /// Loading and building the scene on the device.
     pub setup_s: f64,

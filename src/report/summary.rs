@@ -37,9 +37,17 @@ impl Display for Summary<'_> {
         let per_pixel = s.samples as f64 / self.pixels as f64;
         let rate = million_per_second(s.samples, s.render_s);
         row(samples, format!("{} ({per_pixel:.2} per pixel), {rate}", grouped(s.samples)))?;
+        if s.direct_samples > 0 {
+            let per_pixel = s.direct_samples as f64 / self.pixels as f64;
+            row(
+                "direct",
+                format!("{} samples of the path tracer ({per_pixel:.2} per pixel)", grouped(s.direct_samples)),
+            )?;
+        }
         row("rays", format!("{}, {}", grouped(s.rays), million_per_second(s.rays, s.render_s)))?;
         if let Some((b, standard_error)) = s.b {
-            row("b", format!("{b:.6} +- {:.2} %", 100.0 * standard_error / b))?;
+            let part = if s.direct_samples > 0 { ", direct light not counted" } else { "" };
+            row("b", format!("{b:.6} +- {:.2} %{part}", 100.0 * standard_error / b))?;
         }
         if let Some(integrity) = s.integrity {
             row("integrity", format!("{integrity:+.1e} (splatted luminance over mutations, minus 1)"))?;
@@ -151,6 +159,7 @@ mod tests {
             device: "llvmpipe (LLVM 15.0.6, 256 bits), Vulkan".into(),
             software_device: true,
             samples: 20_000_000,
+            direct_samples: 5_000_000,
             rays: 120_000_000,
             kernels: vec![kernel("bidirectional", 1_000_000, 0), kernel("lens", 4_200_000, 3)],
             b: Some((0.25, 0.001)),
@@ -174,8 +183,9 @@ mod tests {
         let expected = "\
 device      llvmpipe (LLVM 15.0.6, 256 bits), Vulkan (software: runs on the processor)
 mutations   20,000,000 (62.50 per pixel), 0.500 million per second
+direct      5,000,000 samples of the path tracer (15.62 per pixel)
 rays        120,000,000, 3.000 million per second
-b           0.250000 +- 0.40 %
+b           0.250000 +- 0.40 %, direct light not counted
 integrity   -2.5e-7 (splatted luminance over mutations, minus 1)
 non-finite  proposals, all rejected: 3 in lens
 host        1.2 % of the rendering time

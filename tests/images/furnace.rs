@@ -11,7 +11,7 @@ use emlt::gpu::context::Context;
 use emlt::gpu::layout::chain_rows;
 use emlt::gpu::run::{Run, Sizes};
 use emlt::gpu::scene::SceneData;
-use emlt::methods::{Method, Settings, Silent};
+use emlt::methods::{Direct, Method, Settings, Silent};
 use emlt::scene::Features;
 
 use super::comparison::{self, LEVEL, Power, Truth};
@@ -31,31 +31,37 @@ fn radiance(edges: u32) -> [f64; 3] {
 
 /// One render for every limit of edges, each over its closed form. The limits take the place of replicates: every image
 /// should be 1 but for noise, whatever its limit.
-fn check(method: Method, samples_per_pixel: u32, power: Power) {
+fn check(method: Method, direct: Direct, samples_per_pixel: u32, power: Power) {
     let scene = scene(SCENE);
     let normalised = |edges: u32| {
-        let settings = Settings { max_depth: edges, seed: edges, ..settings(method, FILM, samples_per_pixel) };
+        let settings = Settings { max_depth: edges, seed: edges, direct, ..settings(method, FILM, samples_per_pixel) };
         let truth = radiance(edges);
         changed(&render(&scene, &settings).image, |_, _, p| [0, 1, 2].map(|c| (f64::from(p[c]) / truth[c]) as f32))
     };
     let images: Vec<Image> = (1..=LONGEST).map(normalised).collect();
     let truth = Truth { image: changed(&images[0], |_, _, _| [1.0; 3]), variance: None, tile: 4 };
-    comparison::check(&format!("furnace {}", method.name()), &images, &truth, power);
+    comparison::check(&format!("furnace {} {direct:?}", method.name()), &images, &truth, power);
 }
 
 #[test]
 fn furnace_by_pt() {
-    check(Method::Pt, 256, Power { film: 0.003, tile: 0.006 });
+    check(Method::Pt, Direct::Mcmc, 256, Power { film: 0.003, tile: 0.006 });
 }
 
 #[test]
 fn furnace_by_mlt() {
-    check(Method::Mlt, 2000, Power { film: 0.02, tile: 0.08 });
+    check(Method::Mlt, Direct::Mcmc, 2000, Power { film: 0.02, tile: 0.08 });
 }
 
 #[test]
 fn furnace_by_emlt() {
-    check(Method::Emlt, 2000, Power { film: 0.02, tile: 0.08 });
+    check(Method::Emlt, Direct::Mcmc, 2000, Power { film: 0.02, tile: 0.08 });
+}
+
+/// With at most 2 edges there is nothing for chains to do.
+#[test]
+fn furnace_with_direct_light_apart() {
+    check(Method::Emlt, Direct::Pt, 2000, Power { film: 0.005, tile: 0.04 });
 }
 
 /// b of every path length is the luminance of e rho^(k - 1): the bidirectional candidates from which mlt and emlt take b
@@ -74,9 +80,18 @@ fn furnace_by_path_length() {
     };
     let mut run = Run::new(&context, &data, sizes).unwrap();
     let features = Features::of(&scene);
-    let mut start =
-        Start { features, max_edges: LONGEST, seed: 1, paths, stride: paths, film: FILM, observer: &mut Silent };
-    let strategies = Strategies::uniform(LONGEST, false);
+    let mut start = Start {
+        features,
+        min_edges: 1,
+        max_edges: LONGEST,
+        two_stage: None,
+        seed: 1,
+        paths,
+        stride: paths,
+        film: FILM,
+        observer: &mut Silent,
+    };
+    let strategies = Strategies::uniform(1..=LONGEST, false);
     let (candidates, list) = start.candidates(&mut run, &strategies, CANDIDATES, CANDIDATE_PASS, &mut 0).unwrap();
     let mut worst = f64::INFINITY;
     for edges in 1..=LONGEST {

@@ -1,7 +1,7 @@
 //! Images of every method against closed forms, against Mitsuba, and against themselves.
 //!
 //! Seeds are fixed. When a change of the renderer gives it other random numbers, all statistical tests together raise
-//! a false alarm with probability below 1e-3: there are fewer than 32 comparisons, each at [`comparison::LEVEL`]. That
+//! a false alarm with probability below 1.2e-3: there are fewer than 40 comparisons, each at [`comparison::LEVEL`]. That
 //! is for normal replicates; `calibration` says what skewed ones make of it.
 
 mod calibration;
@@ -9,6 +9,7 @@ mod comparison;
 mod furnace;
 mod glass_furnace;
 mod mitsuba;
+mod options;
 mod renders;
 mod repetition;
 mod sphere;

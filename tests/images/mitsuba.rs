@@ -20,17 +20,17 @@ use super::comparison::{Comparison, Power, Truth, check};
 use super::renders::{replicates, scene, settings};
 
 const CORNELL: &str = "scenes/cornell.glb";
-const COLOURED_BOX: &str = "tests/scenes/coloured_box.glb";
-const SHARDS: &str = "scenes/shards.glb";
+pub const COLOURED_BOX: &str = "tests/scenes/coloured_box.glb";
+pub const SHARDS: &str = "scenes/shards.glb";
 const AJAR: &str = "scenes/ajar.glb";
 const RING: &str = "scenes/ring.glb";
 const SLIT: &str = "scenes/slit.glb";
 const MIRRORS: &str = "scenes/mirrors.glb";
 const ROUGH_GLASS: &str = "scenes/rough_glass.glb";
 /// The references' longest paths, in edges.
-const FULL_DEPTH: u32 = 12;
+pub const FULL_DEPTH: u32 = 12;
 
-fn reference(name: &str) -> Truth {
+pub fn reference(name: &str) -> Truth {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/references").join(format!("{name}.exr"));
     let file = exr::read(&path).unwrap_or_else(|e| panic!("{e}"));
     let variance = file.image("Variance.");
@@ -38,7 +38,7 @@ fn reference(name: &str) -> Truth {
     Truth { image: file.image("").unwrap(), variance, tile: 8 }
 }
 
-fn settings_for(truth: &Truth, method: Method, max_depth: u32, samples_per_pixel: u32) -> Settings {
+pub fn settings_for(truth: &Truth, method: Method, max_depth: u32, samples_per_pixel: u32) -> Settings {
     let size = [truth.image.width, truth.image.height];
     Settings { max_depth, ..settings(method, size, samples_per_pixel) }
 }

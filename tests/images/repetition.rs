@@ -1,6 +1,6 @@
 //! The same seed gives the same image, bit for bit; another seed another one.
 
-use emlt::methods::{Method, Outcome, Settings};
+use emlt::methods::{Direct, Method, Outcome, Settings};
 
 use super::renders::{render, scene, settings};
 
@@ -12,9 +12,15 @@ fn bits(outcome: &Outcome) -> Vec<u32> {
 }
 
 fn check(method: Method, layers: &[&str]) {
+    check_with(Settings { method, ..Settings::default() }, layers);
+}
+
+fn check_with(options: Settings, layers: &[&str]) {
+    let Settings { method, direct, two_stage, .. } = options;
     let scene = scene("tests/scenes/coloured_box.glb");
     // Not a multiple of the workgroup's size, and several half-sweeps.
-    let settings = Settings { maps: method != Method::Pt, max_depth: 6, ..settings(method, [33, 25], 100) };
+    let settings =
+        Settings { maps: method != Method::Pt, max_depth: 6, direct, two_stage, ..settings(method, [33, 25], 100) };
     let first = render(&scene, &settings);
     let names: Vec<&str> = first.channels.iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, layers);
@@ -38,4 +44,10 @@ fn mlt_repeats() {
 #[test]
 fn emlt_repeats() {
     check(Method::Emlt, &["Maps.Horizontal", "Maps.Vertical"]);
+}
+
+#[test]
+fn options_repeat() {
+    let options = Settings { direct: Direct::Pt, two_stage: Some(0.5), ..Settings::default() };
+    check_with(options, &["Maps.Horizontal", "Maps.Vertical"]);
 }

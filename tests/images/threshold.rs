@@ -72,8 +72,18 @@ fn b_does_not_depend_on_the_threshold() {
             let mut run = Run::new(&context, &data, sizes).unwrap();
             let seed = 1 + u32::from(features.narrow);
             let observer = &mut Silent;
-            let mut start = Start { features, max_edges: longest, seed, paths, stride: paths, film: FILM, observer };
-            let strategies = Strategies::uniform(longest, false);
+            let mut start = Start {
+                features,
+                min_edges: 1,
+                max_edges: longest,
+                seed,
+                paths,
+                stride: paths,
+                film: FILM,
+                two_stage: None,
+                observer,
+            };
+            let strategies = Strategies::uniform(1..=longest, false);
             let (candidates, _) = start.candidates(&mut run, &strategies, COUNT, CANDIDATE_PASS, &mut 0).unwrap();
             let mut b = Mean::default();
             candidates.iter().for_each(|c| b.add(c.weight()));

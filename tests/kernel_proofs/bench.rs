@@ -66,7 +66,7 @@ impl<'a> Bench<'a> {
             counters: 4 * COUNTER_WORDS as u64,
         };
         let mut run = Run::new(context, &data, sizes).unwrap();
-        let bootstrap = start(features, 1, &mut Silent).run(&mut run).unwrap();
+        let bootstrap = start(features, 1, &mut Silent).run(&mut run).unwrap().unwrap();
         let mut bench = Self { run, features, bootstrap, guides: Pool::default() };
         bench.guides = bench.pool(HALF, HALF);
         bench
@@ -206,5 +206,15 @@ impl<'a> Bench<'a> {
 }
 
 fn start(features: Features, seed: u32, observer: &mut Silent) -> Start<'_> {
-    Start { features, max_edges: MAX_EDGES, seed, paths: PATHS, stride: COLUMNS, film: FILM, observer }
+    Start {
+        features,
+        min_edges: 1,
+        max_edges: MAX_EDGES,
+        two_stage: None,
+        seed,
+        paths: PATHS,
+        stride: COLUMNS,
+        film: FILM,
+        observer,
+    }
 }
