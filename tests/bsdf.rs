@@ -310,9 +310,9 @@ fn rough_surfaces_have_no_delta() {
     let (light, camera) = (spherical(0.6, 1.0), spherical(0.6, 1.0 + PI));
     for tag in [TAG_REFLECT, TAG_TRANSMIT] {
         let light = if tag == TAG_REFLECT { light } else { spherical(-(1.0f64 - 0.64 / 2.25).sqrt(), 1.0) };
-        for index in 0..materials.len() {
+        for (index, material) in materials.iter().enumerate() {
             let value = device.evaluate(index, DVec3::Z, &[(light, camera, tag)])[0].value;
-            assert_eq!(value != [0.0; 3], index == smooth, "{}, tag {tag}: {value:?}", materials[index].name);
+            assert_eq!(value != [0.0; 3], index == smooth, "{}, tag {tag}: {value:?}", material.name);
         }
     }
 }

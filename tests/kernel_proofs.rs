@@ -239,7 +239,7 @@ fn check_independence(bench: &mut Bench) {
 /// Corresponds to an error probability of 1e-6 a bin: with the bins of all kernels together below 5e-3.
 const Z_LIMIT: f64 = 4.9;
 /// Rounds of candidates; about a third of them carry light.
-const ROUNDS: u32 = 8;
+const ROUNDS: u32 = 6;
 
 /// METHOD.md 4.4 S1: weighted paired stationarity over image tiles and path lengths, for kernels and for twins that must
 /// be caught.

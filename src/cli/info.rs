@@ -128,6 +128,11 @@ lights     1 emissive triangles of area 2.0000
 bounds     centre 1.0000 1.0000 0.0000, radius 1.4142
 features   diffuse only
 ";
-        assert_eq!(summary(&scene), expected);
+        let text = summary(&scene);
+        let (rest, kernels): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| !line.starts_with("kernel "));
+        assert_eq!(rest.join("\n") + "\n", expected);
+        assert_eq!(kernels.len(), kernels::ALL.len());
+        assert!(kernels.iter().any(|k| k.starts_with("kernel     lens, by default in mlt and emlt (")));
+        assert!(kernels.iter().any(|k| k.contains("caustic, not used: no material is specular")));
     }
 }
