@@ -141,7 +141,8 @@ fn rough_glass_by_pt() {
 }
 
 #[test]
-fn rough_glass_by_mlt() {
+#[ignore = "takes minutes; ./run test --long"]
+fn long_rough_glass_by_mlt() {
     compare("rough_glass", ROUGH_GLASS, FULL_DEPTH, Mlt, [120, 16], Power { film: 0.03, tile: 0.4 });
 }
 

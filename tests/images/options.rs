@@ -39,13 +39,15 @@ fn coloured_box_in_two_stages() {
 }
 
 #[test]
-fn coloured_box_with_both_by_mlt() {
+#[ignore = "takes minutes; ./run test --long"]
+fn long_coloured_box_with_both_by_mlt() {
     let power = Power { film: 0.03, tile: 0.2 };
     compare("coloured_box", COLOURED_BOX, Mlt, BOTH, [FULL_DEPTH, 240], power);
 }
 
 #[test]
-fn shards_with_both() {
+#[ignore = "takes minutes; ./run test --long"]
+fn long_shards_with_both() {
     compare("shards_4_edges", SHARDS, Emlt, BOTH, [4, 120], Power { film: 0.01, tile: 0.25 });
 }
 

@@ -45,7 +45,8 @@ fn glossy_box_with_lobes_as_specular_by_emlt() {
 }
 
 #[test]
-fn glossy_box_with_lobes_as_lobes_by_mlt() {
+#[ignore = "takes minutes; ./run test --long"]
+fn long_glossy_box_with_lobes_as_lobes_by_mlt() {
     against_path_tracing(Mlt, 0.0);
 }
 
