@@ -16,6 +16,8 @@ pub const CANDIDATES: u32 = 1 << 20;
 const PILOT: u32 = 1 << 16;
 /// Candidates a dispatch.
 pub const BATCH: u32 = 1 << 16;
+/// Invocations that wait for the slowest among them: the lanes of a processor's vectors. GPUs have 32 and more.
+const LOCKSTEP: usize = 8;
 /// Words of `lists` a candidate takes.
 pub const LIST_WORDS: u32 = 3;
 /// Pass indices of the pilot and of the candidates: apart from those of mutations, which count up from 0.
@@ -96,15 +98,10 @@ pub struct Start<'s> {
     pub observer: &'s mut dyn Observer,
 }
 
-/// The two pipelines of the start.
-pub fn variants(features: Features, min_edges: u32, max_edges: u32) -> [Variant; 2] {
-    [&["candidates"][..], &[]].map(|flags| {
-        let mut flags = flags.to_vec();
-        if min_edges == INDIRECT_EDGES {
-            flags.push("indirect");
-        }
-        Variant { pass: "bootstrap", features, max_edges, flags }
-    })
+/// The pipeline of the start.
+pub fn variant(features: Features, min_edges: u32, max_edges: u32) -> Variant {
+    let flags = if min_edges == INDIRECT_EDGES { vec!["indirect"] } else { vec![] };
+    Variant { pass: "bootstrap", features, max_edges, flags }
 }
 
 impl Start<'_> {
@@ -114,10 +111,15 @@ impl Start<'_> {
         let mut strategies = Strategies::uniform(self.min_edges..=self.max_edges, self.features.sky);
         let mut rays = 0;
         let (pilot, list) = self.candidates(run, &strategies, PILOT, PILOT_PASS, &mut rays)?;
+        let costs: Vec<f64> = pilot
+            .chunks(LOCKSTEP)
+            .flat_map(|group| {
+                let slowest = group.iter().map(|c| c.rays).fold(0.0, f32::max);
+                group.iter().map(move |_| f64::from(slowest))
+            })
+            .collect();
         strategies = strategies.adapted(
-            list.iter()
-                .zip(&pilot)
-                .map(|(strategy, candidate)| (*strategy, candidate.weight(), f64::from(candidate.rays))),
+            list.iter().zip(&pilot).zip(&costs).map(|((strategy, c), cost)| (*strategy, c.weight(), *cost)),
         );
         let pixel_weights = self.two_stage.map(|gamma| {
             let splats: Vec<_> = pilot.iter().map(|candidate| (candidate.pixel, candidate.weight())).collect();
@@ -152,7 +154,7 @@ impl Start<'_> {
         let offset = rng::uniform(rng::random_words(self.seed, 0, pass_index, u32::MAX)[0]);
         let list = strategies.systematic(count, offset);
         let mut candidates: Vec<Candidate> = Vec::with_capacity(count as usize);
-        let [variant, _] = variants(self.features, self.min_edges, self.max_edges);
+        let variant = variant(self.features, self.min_edges, self.max_edges);
         for first in (0..count).step_by(BATCH as usize) {
             let entries = BATCH.min(count - first);
             let words: Vec<u32> =
@@ -208,10 +210,11 @@ impl Start<'_> {
     pub fn fill(&self, run: &mut Run, list: &[[u32; 2]], chosen: &[u32]) -> crate::Result<()> {
         let words: Vec<u32> = chosen.iter().flat_map(|&i| [list[i as usize][0], list[i as usize][1], i]).collect();
         run.set_lists(&words);
-        let [_, variant] = variants(self.features, self.min_edges, self.max_edges);
+        let variant = variant(self.features, self.min_edges, self.max_edges);
         let uniform = PassUniform {
             entries: chosen.len() as u32,
             pass_index: CANDIDATE_PASS,
+            keep: 1,
             seed: self.seed,
             stride: self.stride,
             ..Default::default()

@@ -1,8 +1,9 @@
 //! The probabilities with which the independence kernel draws a path's edges and its light-side vertices.
 //!
-//! One strategy leaves the edges open: the [`WALK`] goes from the camera until it meets a light. Light that only such
-//! paths can find (through glass, from a diffuse surface, through glass) comes at any length from one walk, where
-//! strategies of fixed length would find each length apart, and so rarely that a start misses most of them.
+//! Some strategies leave the edges open: a walk goes from the camera until it meets a light, or has taken as many edges
+//! as it may. Light that only such paths can find (through glass, from a diffuse surface, through glass) comes at any
+//! length from one walk, where strategies of fixed length would find each length apart, and so rarely that a start misses
+//! most of them. Most walks find nothing, and long ones cost the most: how far they may go is drawn beforehand.
 
 use std::ops::RangeInclusive;
 
@@ -11,14 +12,20 @@ use crate::gpu::layout::{STRATEGY_COLUMNS, STRATEGY_ENTRIES};
 /// Share of probability that stays spread evenly, so that no strategy's paths can be missed.
 const DEFENSIVE_SHARE: f64 = 0.1;
 
-/// The strategy that walks from the camera to the first light; edges 0 stand for "as many as it takes".
-pub const WALK: [u32; 2] = [0, 0];
+/// The strategy that walks from the camera to the first light over at most `edges` edges; it has 0 where others have
+/// their number of edges.
+pub const fn walk(edges: u32) -> [u32; 2] {
+    [0, edges]
+}
+
+/// Step between the limits of walks.
+const WALK_STEP: u32 = 4;
 /// Edges of the shortest path that is not direct light. Twin in shaders/target/contribution.wesl.
 pub const INDIRECT_EDGES: u32 = 3;
-/// Share of the walk before anything is known.
+/// Share of all walks before anything is known.
 const WALK_SHARE: f64 = 0.25;
 
-/// P(edges k, light-side vertices s) for the walk, k in a run's range of edges and s = 0 .. k, fixed before the run.
+/// P(edges k, light-side vertices s) for the walks, k in a run's range of edges and s = 0 .. k, fixed before the run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Strategies {
     /// Pairs (k, s) that can make a path, with their probabilities.
@@ -28,10 +35,12 @@ pub struct Strategies {
 }
 
 impl Strategies {
-    /// A quarter for the walk, which finds any length; then every length of `edges` alike, and every split of it. Under a
+    /// A quarter for walks, which find any length; then every length of `edges` alike, and every split of it. Under a
     /// sky, light subpaths are not traced: s is 0 or 1.
     pub fn uniform(edges: RangeInclusive<u32>, sky: bool) -> Self {
-        let mut entries = vec![(WALK, WALK_SHARE)];
+        let limits: Vec<u32> = (1..*edges.end()).filter(|n| n.is_multiple_of(WALK_STEP)).chain([*edges.end()]).collect();
+        let share = WALK_SHARE / limits.len() as f64;
+        let mut entries: Vec<_> = limits.into_iter().map(|n| (walk(n), share)).collect();
         let lengths = f64::from(edges.end() - edges.start() + 1);
         for k in edges {
             // A sky does not connect to the pinhole (s = k = 1): its directions would all be delta events there.
@@ -55,7 +64,7 @@ impl Strategies {
         Self { entries, cumulative }
     }
 
-    /// Probabilities proportional to p sqrt(E[W^2] / rays) as pilot samples (strategy, weight, rays) show it: the
+    /// Probabilities proportional to p sqrt(E[W^2] / rays) as pilot samples (strategy, weight, rays waited for) show it: the
     /// allocation of least variance at equal cost (Neyman 1934), with a defensive share.
     pub fn adapted(&self, pilot: impl Iterator<Item = ([u32; 2], f64, f64)>) -> Self {
         let mut sums = vec![[0.0f64; 3]; self.entries.len()];
@@ -103,11 +112,16 @@ impl Strategies {
         (0..count).map(|i| self.pick((f64::from(i) + offset) / f64::from(count))).collect()
     }
 
-    /// log P as the shaders read it; what cannot be drawn is -1e30.
+    /// log P as the shaders read it; what cannot be drawn is -1e30. Row 0, column k is for walks that may take k edges.
     pub fn log_table(&self) -> [f32; STRATEGY_ENTRIES] {
         let mut table = [-1e30f32; STRATEGY_ENTRIES];
         let total = self.cumulative[self.cumulative.len() - 1];
-        for ([k, s], p) in &self.entries {
+        let walks = self.entries.iter().filter(|([k, _], _)| *k == 0);
+        for edges in 1..STRATEGY_COLUMNS {
+            let far_enough = walks.clone().filter(|([_, limit], _)| *limit as usize >= edges);
+            table[edges] = (far_enough.map(|(_, p)| p).sum::<f64>() / total).ln().max(-1e30) as f32;
+        }
+        for ([k, s], p) in self.entries.iter().filter(|([k, _], _)| *k > 0) {
             table[*k as usize * STRATEGY_COLUMNS + *s as usize] = (p / total).ln() as f32;
         }
         table
@@ -134,12 +148,17 @@ mod tests {
         for (sky, splits) in [(false, 4.0 + 5.0 + 6.0), (true, 3.0 * 2.0)] {
             let strategies = Strategies::uniform(INDIRECT_EDGES..=5, sky);
             assert!((strategies.cumulative.last().unwrap() - 1.0).abs() < 1e-12);
-            assert_eq!(strategies.entries.len() as f64, 1.0 + splits);
+            assert_eq!(strategies.entries.len() as f64, 2.0 + splits);
             let list = strategies.systematic(4096, 0.5);
-            assert!(list.iter().all(|s| *s == WALK || (3..=5).contains(&s[0])), "{list:?}");
+            assert!(list.iter().all(|s| s[0] == 0 || (3..=5).contains(&s[0])), "{list:?}");
             let table = strategies.log_table();
             assert!(table[STRATEGY_COLUMNS..3 * STRATEGY_COLUMNS].iter().all(|p| *p == -1e30));
-            assert!(table[0] > -1e29 && table[3 * STRATEGY_COLUMNS] > -1e29);
+            assert!(table[3 * STRATEGY_COLUMNS] > -1e29);
+            // Two limits of walks, 4 and 5, share the quarter.
+            for (edges, share) in [(1, 0.25f32), (4, 0.25), (5, 0.125)] {
+                assert!((table[edges].exp() - share).abs() < 1e-6, "{edges}: {}", table[edges]);
+            }
+            assert_eq!(table[6], -1e30);
         }
     }
 

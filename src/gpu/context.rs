@@ -4,6 +4,7 @@ use crate::{Error, Result};
 
 /// An open device with its queue.
 pub struct Context {
+    adapter: wgpu::Adapter,
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
     /// Name and driver, for messages and metadata.
@@ -72,6 +73,15 @@ impl Context {
                 names.join(", ")
             ))
         })?;
+        Self::on(adapter.clone())
+    }
+
+    /// Another device of the same kind, which shares nothing but the driver's caches.
+    pub fn another(&self) -> Result<Self> {
+        Self::on(self.adapter.clone())
+    }
+
+    fn on(adapter: wgpu::Adapter) -> Result<Self> {
         let offered = adapter.limits();
         let limits = wgpu::Limits {
             max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
@@ -86,6 +96,7 @@ impl Context {
         .map_err(|e| Error::runtime(format!("the device could not be opened: {e}")))?;
         let description = describe(&adapter.get_info());
         Ok(Self {
+            adapter,
             device,
             queue,
             description: format!("{} ({})", description.name, description.driver),

@@ -38,6 +38,8 @@ pub struct PassUniform {
     pub weight: f32,
     pub counters_offset: u32,
     pub origins: u32,
+    pub keep: u32,
+    pub group_stride: u32,
 }
 
 /// Columns of the strategy table: light-side vertices 0 .. 31.
@@ -163,6 +165,8 @@ mod tests {
             weight,
             counters_offset,
             origins,
+            keep,
+            group_stride,
         );
         let (_, span) = struct_of(&module("weigh"), "StrategyUniform");
         assert_eq!(span as usize, 4 * STRATEGY_ENTRIES);

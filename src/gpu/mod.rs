@@ -2,6 +2,7 @@
 
 pub mod context;
 pub mod layout;
+pub mod pipelines;
 pub mod run;
 pub mod scene;
 pub mod shader;

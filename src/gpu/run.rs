@@ -5,9 +5,10 @@ use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use super::context::Context;
+use super::pipelines::{self, Builder};
 use super::layout::{PassUniform, STRATEGY_ENTRIES, WEIGHT_ENTRIES};
 use super::scene::{GpuScene, SceneData};
-use super::shader::{Variant, compose};
+use super::shader::Variant;
 use crate::{Error, Result};
 
 /// Threads a workgroup, as in every pass.
@@ -18,7 +19,7 @@ const PASS_SLOTS: usize = 256;
 const PASS_STRIDE: usize = 256;
 
 /// Bytes of each buffer that a run needs.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Sizes {
     pub chains: u64,
     pub lists: u64,
@@ -151,50 +152,26 @@ impl<'a> Run<'a> {
         self.context.queue.write_buffer(&self.chains, offset, bytes);
     }
 
-    /// Builds the pipelines, all at once, and runs each once on nothing: drivers compile at the first dispatch.
+    /// Builds pipelines, all at once, and has the driver compile them.
     pub fn compile(&mut self, variants: &[Variant]) -> Result<()> {
-        let missing: Vec<&Variant> = variants.iter().filter(|v| !self.pipelines.contains_key(v)).collect();
-        let this = &*self;
-        let built: Vec<Result<wgpu::ComputePipeline>> = std::thread::scope(|scope| {
-            let threads: Vec<_> = missing.iter().map(|v| scope.spawn(move || this.build(v))).collect();
-            threads.into_iter().map(|thread| thread.join().expect("building a pipeline does not panic")).collect()
-        });
-        for (variant, pipeline) in missing.into_iter().zip(built) {
-            self.pipelines.insert(variant.clone(), pipeline?);
-            self.submit(&[Dispatch { variant: variant.clone(), uniform: PassUniform::default() }])?;
-        }
-        self.wait()
+        let built = self.builder().build_all(variants)?;
+        self.adopt(built)
     }
 
-    fn build(&self, variant: &Variant) -> Result<wgpu::ComputePipeline> {
-        let device = &self.context.device;
-        let text = compose(variant)
-            .map_err(|e| Error::runtime(format!("a shader does not compose, please report it: {e}")))?;
-        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(variant.pass),
-            source: wgpu::ShaderSource::Wgsl(text.into()),
-        });
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(variant.pass),
-            bind_group_layouts: &[Some(&self.scene.layout), Some(&self.layout)],
-            immediate_size: 0,
-        });
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(variant.pass),
-            layout: Some(&layout),
-            module: &module,
-            entry_point: Some("main"),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                zero_initialize_workgroup_memory: false,
-                ..Default::default()
-            },
-            cache: None,
-        });
-        match pollster::block_on(scope.pop()) {
-            Some(error) => Err(Error::runtime(format!("the driver refuses a shader, please report it: {error}"))),
-            None => Ok(pipeline),
-        }
+    /// What builds pipelines for this run elsewhere, to be handed to [`Run::adopt`].
+    pub fn builder(&self) -> Builder {
+        Builder { device: self.context.device.clone(), layouts: [self.scene.layout.clone(), self.layout.clone()] }
+    }
+
+    /// Takes pipelines over and has the driver compile them.
+    pub fn adopt(&mut self, built: Vec<(Variant, wgpu::ComputePipeline)>) -> Result<()> {
+        let variants: Vec<Variant> = built.iter().map(|(variant, _)| variant.clone()).collect();
+        self.pipelines.extend(built);
+        pipelines::warm_up(self, &variants)
+    }
+
+    pub(super) fn context(&self) -> &'a Context {
+        self.context
     }
 
     /// Records and submits dispatches in order, at most 256 of them.
@@ -203,9 +180,11 @@ impl<'a> Run<'a> {
         let mut bytes = vec![0u8; dispatches.len() * PASS_STRIDE];
         for (slot, dispatch) in bytes.chunks_exact_mut(PASS_STRIDE).zip(dispatches) {
             if !self.pipelines.contains_key(&dispatch.variant) {
-                self.pipelines.insert(dispatch.variant.clone(), self.build(&dispatch.variant)?);
+                self.pipelines.insert(dispatch.variant.clone(), self.builder().build(&dispatch.variant)?);
             }
-            slot[..size_of::<PassUniform>()].copy_from_slice(bytemuck::bytes_of(&dispatch.uniform));
+            let [x, y] = workgroups(dispatch.uniform.entries);
+            let uniform = PassUniform { group_stride: group_stride(x * y), ..dispatch.uniform };
+            slot[..size_of::<PassUniform>()].copy_from_slice(bytemuck::bytes_of(&uniform));
         }
         self.context.queue.write_buffer(&self.uniforms, 0, &bytes);
         let mut encoder = self.context.device.create_command_encoder(&Default::default());
@@ -213,12 +192,10 @@ impl<'a> Run<'a> {
             let mut pass = encoder.begin_compute_pass(&Default::default());
             pass.set_bind_group(0, &self.scene.group, &[]);
             for (i, dispatch) in dispatches.iter().enumerate() {
-                let groups = dispatch.uniform.entries.div_ceil(WORKGROUP).max(1);
-                // Two dimensions where one is too short; passes that expect this compute their index from both.
-                let rows = groups.div_ceil(65535);
+                let [x, y] = workgroups(dispatch.uniform.entries);
                 pass.set_pipeline(&self.pipelines[&dispatch.variant]);
                 pass.set_bind_group(1, &self.group, &[(i * PASS_STRIDE) as u32]);
-                pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
+                pass.dispatch_workgroups(x, y, 1);
             }
         }
         self.hand_over(encoder);
@@ -291,5 +268,51 @@ impl<'a> Run<'a> {
         staging.unmap();
         self.staging = Some(staging);
         Ok(bytes)
+    }
+}
+
+/// Workgroups of a dispatch in two dimensions, as one holds at most 65,535.
+fn workgroups(entries: u32) -> [u32; 2] {
+    let groups = entries.div_ceil(WORKGROUP).max(1);
+    let rows = groups.div_ceil(65535);
+    [groups.div_ceil(rows), rows]
+}
+
+/// A number near the golden section of `groups` and coprime to it: its multiples modulo `groups` are a permutation whose
+/// every stretch is spread evenly. `entry_index` in shaders/layout/run.wesl multiplies in 32 bits.
+fn group_stride(groups: u32) -> u32 {
+    let section = (0.618_034 * f64::from(groups)) as u32;
+    let largest = (u32::MAX / groups).min(section.max(1));
+    (1..=largest).rev().find(|stride| gcd(*stride, groups) == 1).unwrap_or(1)
+}
+
+fn gcd(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strides_order_workgroups_without_loss_or_overflow() {
+        for entries in [1, 64, 65, 8192, 8191, 1 << 20, 76_800, 4_194_241, 33_177_600, 1 << 27] {
+            let [x, y] = workgroups(entries);
+            let groups = x * y;
+            assert!(groups * WORKGROUP >= entries && x <= 65535 && y <= 65535);
+            let stride = group_stride(groups);
+            assert!(u64::from(groups) * u64::from(stride) <= u64::from(u32::MAX), "{groups} {stride}");
+            assert_eq!(gcd(stride, groups), 1, "{groups} {stride}");
+        }
+    }
+
+    #[test]
+    fn every_half_of_the_workgroups_is_a_mixture() {
+        for groups in [16u32, 100, 128, 1024, 16384] {
+            let stride = group_stride(groups);
+            let first_half = (0..groups / 2).map(|i| i * stride % groups);
+            let of_the_cheap = first_half.filter(|entry| *entry < groups / 2).count() as f64;
+            assert!((of_the_cheap / f64::from(groups / 4) - 1.0).abs() < 0.3, "{groups}: {of_the_cheap}");
+        }
     }
 }

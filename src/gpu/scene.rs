@@ -81,6 +81,17 @@ impl SceneData {
         };
         Ok(Self { uniform, nodes: accel.nodes, triangles, shading, tables })
     }
+
+    /// As little as can be bound: for dispatches of nothing.
+    pub fn nothing() -> Self {
+        Self {
+            uniform: SceneUniform::default(),
+            nodes: vec![[0; 20]],
+            triangles: vec![[0.0; 4]],
+            shading: vec![[0; 4]],
+            tables: vec![[0; 4]],
+        }
+    }
 }
 
 /// Two 16-bit signed normalised octahedral coordinates (Cigolle et al. 2014); twin of `decode_octahedral`.

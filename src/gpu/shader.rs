@@ -27,7 +27,7 @@ pub const GUIDES: u32 = 16;
 
 /// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
 /// instead of splats, and deliberately wrong kernels that the tests must catch.
-pub const PASS_FLAGS: [&str; 21] = [
+pub const PASS_FLAGS: [&str; 20] = [
     "guided",
     "multi_chain",
     "walk",
@@ -38,7 +38,6 @@ pub const PASS_FLAGS: [&str; 21] = [
     "maps",
     "two_stage",
     "indirect",
-    "candidates",
     "probe",
     "probe_back",
     "probe_still",
@@ -129,7 +128,7 @@ mod tests {
                     &["segment", "guided", "probe", "probe_back"],
                 ],
             ),
-            ("bootstrap", &[&["candidates"], &[], &["candidates", "indirect"], &["indirect"]]),
+            ("bootstrap", &[&[], &["indirect"]]),
             ("gather", &[&[]]),
             ("weigh", &[&[], &["probe"]]),
             (

@@ -73,34 +73,39 @@ pub(super) fn render(
         },
     )?;
 
-    observer.stage("compiling shaders");
-    let start = Instant::now();
-    let mut variants = build.variants(&mix);
-    variants.extend(bootstrap::variants(features, min_edges, settings.max_depth));
-    run.compile(&variants)?;
-    statistics.compile_s = start.elapsed().as_secs_f64();
+    // The kernels' pipelines are built while the start is made; it needs but one.
+    let builder = run.builder();
+    let variants = build.variants(&mix);
+    let (bootstrap, built) = std::thread::scope(|scope| -> crate::Result<_> {
+        let built = scope.spawn(|| builder.build_all(&variants));
+        observer.stage("compiling shaders");
+        let start = Instant::now();
+        run.compile(&[bootstrap::variant(features, min_edges, settings.max_depth)])?;
+        statistics.compile_s = start.elapsed().as_secs_f64();
 
-    observer.stage("seeding");
-    let start = Instant::now();
-    let bootstrap = Start {
-        features,
-        min_edges,
-        max_edges: settings.max_depth,
-        two_stage: settings.two_stage,
-        seed: settings.seed,
-        paths: settings.ensemble,
-        stride: settings.ensemble,
-        film: [settings.width, settings.height],
-        observer,
-    }
-    .run(&mut run)?;
+        observer.stage("seeding");
+        let start = Instant::now();
+        let bootstrap = Start {
+            features,
+            min_edges,
+            max_edges: settings.max_depth,
+            two_stage: settings.two_stage,
+            seed: settings.seed,
+            paths: settings.ensemble,
+            stride: settings.ensemble,
+            film: [settings.width, settings.height],
+            observer,
+        }
+        .run(&mut run)?;
+        statistics.seeding_s = start.elapsed().as_secs_f64();
+        Ok((bootstrap, built.join().expect("building pipelines does not panic")?))
+    })?;
     let Some(bootstrap) = bootstrap else {
         if settings.direct == Direct::Mcmc {
             return Err(crate::Error::input(
                 "no light reaches the camera: turn the camera, add a light, or allow longer paths with --max-depth",
             ));
         }
-        statistics.seeding_s = start.elapsed().as_secs_f64();
         statistics.notes.push("no path of 3 edges or more was found to carry light: all of it is direct".into());
         return Ok(black(settings, statistics));
     };
@@ -110,10 +115,13 @@ pub(super) fn render(
             100.0 * bootstrap.largest_share
         ));
     }
+    observer.stage("compiling shaders");
+    let start = Instant::now();
+    run.adopt(built)?;
+    statistics.compile_s += start.elapsed().as_secs_f64();
     run.clear(Buffer::Output);
     run.clear(Buffer::Counters);
     let mut ensemble = Ensemble::new(&mut run, build, mix, bootstrap)?;
-    statistics.seeding_s = start.elapsed().as_secs_f64();
 
     observer.stage("rendering");
     let start = Instant::now();

@@ -44,7 +44,7 @@ impl Display for Summary<'_> {
                 format!("{} samples of the path tracer ({per_pixel:.2} per pixel)", grouped(s.direct_samples)),
             )?;
         }
-        row("rays", format!("{}, {}", grouped(s.rays), million_per_second(s.rays, s.render_s)))?;
+        row("rays", format!("{}, {}", grouped(s.rays), million_per_second(s.rays, s.seeding_s + s.render_s)))?;
         if let Some((b, standard_error)) = s.b {
             let part = if s.direct_samples > 0 { ", direct light not counted" } else { "" };
             row("b", format!("{b:.6} +- {:.2} %{part}", 100.0 * standard_error / b))?;
@@ -184,7 +184,7 @@ mod tests {
 device      llvmpipe (LLVM 15.0.6, 256 bits), Vulkan (software: runs on the processor)
 mutations   20,000,000 (62.50 per pixel), 0.500 million per second
 direct      5,000,000 samples of the path tracer (15.62 per pixel)
-rays        120,000,000, 3.000 million per second
+rays        120,000,000, 2.892 million per second
 b           0.250000 +- 0.40 %, direct light not counted
 integrity   -2.5e-7 (splatted luminance over mutations, minus 1)
 non-finite  proposals, all rejected: 3 in lens

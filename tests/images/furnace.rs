@@ -4,7 +4,7 @@
 //! pixel is e (1 - rho^k) / (1 - rho) (METHOD.md 4.5, F1).
 
 use emlt::ensemble::bootstrap::{BATCH, CANDIDATE_PASS, CANDIDATES, Mean, Start};
-use emlt::ensemble::strategies::{Strategies, WALK};
+use emlt::ensemble::strategies::{Strategies};
 use emlt::ensemble::sweep::list_words;
 use emlt::film::Image;
 use emlt::gpu::context::Context;
@@ -97,7 +97,7 @@ fn furnace_by_path_length() {
     for edges in 1..=LONGEST {
         let mut weights = Mean::default();
         // Every wall is a light, so a walk ends after one edge.
-        let made = |l: &[u32; 2]| l[0] == edges || (edges == 1 && *l == WALK);
+        let made = |l: &[u32; 2]| l[0] == edges || (edges == 1 && l[0] == 0);
         candidates.iter().zip(&list).filter(|(_, l)| made(l)).for_each(|(c, _)| weights.add(c.weight()));
         // The number of candidates of each length is fixed (systematic sampling), so it adds no noise.
         let share = weights.count / f64::from(CANDIDATES);
