@@ -2,6 +2,7 @@
 //! pixel and on means of 4x4 pixels is printed, with what the methods did in that time.
 //!
 //!     cargo bench --bench equal_time -- [--scene ajar] [--seconds 10] [--seeds 5] [--image OTHER.exr ...]
+//!     cargo bench --bench equal_time -- --spp 64 --methods emlt --kernels MIX --kernels OTHER_MIX
 //!
 //! The scene and the reference are those of tests/references; the reference's own noise is subtracted. Another
 //! renderer's images of the same scene and size are compared in the same way.
@@ -9,6 +10,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
+use emlt::ensemble::mix::Mix;
 use emlt::film::{Image, exr, metrics};
 use emlt::methods::{Budget, Method, Settings, Silent, render};
 use emlt::scene::import::import;
@@ -24,8 +26,14 @@ struct Arguments {
     /// Rendering time of each image; seeding and compiling come on top and are listed
     #[arg(long, default_value_t = 10.0)]
     seconds: f64,
+    /// Instead of a time: mutations or samples per pixel, for comparisons on a machine with other work
+    #[arg(long)]
+    spp: Option<u32>,
     #[arg(long, default_value_t = 5)]
     seeds: u32,
+    /// A mix of kernels NAME=WEIGHT,... for the methods that have one, instead of the default; several are compared
+    #[arg(long)]
+    kernels: Vec<String>,
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Method::Emlt, Method::Mlt, Method::Pt])]
     methods: Vec<Method>,
     /// Passed by cargo
@@ -61,22 +69,31 @@ fn run(arguments: &Arguments) -> emlt::Result<()> {
     let noise = layer(&file, "Variance.")?;
     let compare = |image: &Image| metrics::compare(image, &reference, Some(&noise));
     println!(
-        "{} at {}x{}, {} s of rendering, median of {} seeds",
-        scene.name, reference.width, reference.height, arguments.seconds, arguments.seeds
+        "{} at {}x{}, {}, median of {} seeds",
+        scene.name,
+        reference.width,
+        reference.height,
+        arguments.spp.map_or(format!("{} s of rendering", arguments.seconds), |n| format!("{n} per pixel")),
+        arguments.seeds
     );
     println!(
-        "method  relMSE px  relMSE 4x4    MSE px    mutations/px  CPU s  set-up s  acceptance and squared jump (px^2)"
+        "method  relMSE px  relMSE 4x4    MSE px    mutations/px   million/s  CPU s  set-up s  acceptance and squared jump (px^2)"
     );
-    for &method in &arguments.methods {
-        let mut rows: Vec<[f64; 6]> = Vec::new();
+    let mixes: Vec<_> = match arguments.kernels.len() {
+        0 => vec![None],
+        _ => arguments.kernels.iter().map(|mix| Mix::parse(mix).map(Some)).collect::<emlt::Result<_>>()?,
+    };
+    for (&method, mix) in arguments.methods.iter().flat_map(|method| mixes.iter().map(move |mix| (method, mix))) {
+        let mut rows: Vec<[f64; 7]> = Vec::new();
         let mut kernels = String::new();
         for seed in 1..=arguments.seeds {
             let settings = Settings {
                 method,
                 width: reference.width,
                 height: reference.height,
-                budget: Budget::Seconds(arguments.seconds),
+                budget: arguments.spp.map_or(Budget::Seconds(arguments.seconds), Budget::SamplesPerPixel),
                 seed,
+                kernels: mix.clone(),
                 ..Settings::default()
             };
             let cpu = cpu_seconds();
@@ -91,6 +108,7 @@ fn run(arguments: &Arguments) -> emlt::Result<()> {
                 s.samples as f64 / pixels,
                 cpu_seconds() - cpu,
                 s.setup_s + s.compile_s + s.seeding_s,
+                1e-6 * s.samples as f64 / s.render_s,
             ]);
             kernels = s
                 .kernels
@@ -104,12 +122,13 @@ fn run(arguments: &Arguments) -> emlt::Result<()> {
         }
         let column = |i: usize| median(rows.iter().map(|r| r[i]).collect());
         println!(
-            "{:<7} {:>9.5} {:>11.5} {:>9.5} {:>13.1} {:>6.1} {:>9.1}  {kernels}",
+            "{:<7} {:>9.5} {:>11.5} {:>9.5} {:>13.1} {:>11.3} {:>6.1} {:>9.1}  {kernels}",
             method.name(),
             column(0),
             column(1),
             column(2),
             column(3),
+            column(6),
             column(4),
             column(5)
         );

@@ -57,6 +57,8 @@ pub fn compose(variant: &Variant) -> Result<String, String> {
     let constants = format!("const MAX_EDGES: u32 = {}u;\nconst GUIDES: u32 = {GUIDES}u;\n", variant.max_edges);
     resolver.add_module(module_path("specialised")?, Cow::Owned(constants));
     let mut options = CompileOptions::default();
+    // naga validates what comes out.
+    options.validate = false;
     options.features.default = Feature::Error;
     for (name, value) in variant.features.flags() {
         options.features.flags.insert(name.into(), value.into());
