@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use crate::ensemble::guidance::{Guidance, MOST_GUIDES};
 use crate::ensemble::mix::Mix;
 use crate::film::{Channel, exr, file, png};
 use crate::methods::{self, Budget, Direct, Method, Outcome, Settings};
@@ -71,6 +72,19 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME=WEIGHT,...")]
     kernels: Option<String>,
 
+    /// Guides that a guided kernel looks at, M of the supplement (emlt)
+    #[arg(long, value_name = "M", default_value_t = Guidance::default().guides, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_GUIDES)))]
+    guides: u32,
+
+    /// Size of guided steps in spreads of the guides, the same for all [default: 0.05 to 0.5, the larger the more the
+    /// guides resemble the path] (emlt)
+    #[arg(long, value_name = "A", value_parser = parse_alpha)]
+    alpha: Option<f32>,
+
+    /// What makes guides resemble a path (emlt)
+    #[arg(long, value_enum, default_value_t = Resemblance::Positions)]
+    similarity: Resemblance,
+
     /// Who renders direct light, paths of at most 2 edges (mlt, emlt)
     #[arg(long, value_enum, default_value_t = Direct::Mcmc)]
     direct: Direct,
@@ -86,6 +100,14 @@ pub struct Arguments {
     /// Show neither progress nor statistics
     #[arg(short, long)]
     quiet: bool,
+}
+
+/// What the similarity of paths compares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Resemblance {
+    Positions,
+    /// Positions and normals; the supplement finds this worse
+    Normals,
 }
 
 /// Where the outputs go.
@@ -184,6 +206,11 @@ fn settings(arguments: &Arguments, camera: &Camera) -> Result<Settings> {
         camera: arguments.camera.clone(),
         ensemble: arguments.ensemble,
         kernels: arguments.kernels.as_deref().map(Mix::parse).transpose()?,
+        guidance: Guidance {
+            guides: arguments.guides,
+            alpha: arguments.alpha.map_or(Guidance::default().alpha, |alpha| [alpha; 2]),
+            normals: arguments.similarity == Resemblance::Normals,
+        },
         direct: arguments.direct,
         two_stage: arguments.two_stage,
         maps: arguments.maps,
@@ -231,6 +258,11 @@ fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
 fn parse_seconds(text: &str) -> std::result::Result<f64, String> {
     let seconds = text.parse().ok().filter(|s: &f64| s.is_finite() && *s > 0.0);
     seconds.ok_or_else(|| "give a number of seconds above 0".into())
+}
+
+fn parse_alpha(text: &str) -> std::result::Result<f32, String> {
+    let alpha = text.parse().ok().filter(|a: &f32| *a > 0.0 && *a <= 1.0);
+    alpha.ok_or_else(|| "give a number above 0 and at most 1, such as 0.05 or 0.5".into())
 }
 
 fn parse_gamma(text: &str) -> std::result::Result<f64, String> {
@@ -313,6 +345,10 @@ mod tests {
             assert!(parse_ensemble(text).is_err(), "{text}");
         }
         assert_eq!(parse_ensemble("16"), Ok(16));
+        for text in ["0", "-0.1", "1.1", "nan", ""] {
+            assert!(parse_alpha(text).is_err(), "{text}");
+        }
+        assert_eq!(parse_alpha("0.05"), Ok(0.05));
         for text in ["-0.1", "1.1", "nan", "", "half"] {
             assert!(parse_gamma(text).is_err(), "{text}");
         }

@@ -118,9 +118,8 @@ impl Start<'_> {
                 group.iter().map(move |_| f64::from(slowest))
             })
             .collect();
-        strategies = strategies.adapted(
-            list.iter().zip(&pilot).zip(&costs).map(|((strategy, c), cost)| (*strategy, c.weight(), *cost)),
-        );
+        strategies = strategies
+            .adapted(list.iter().zip(&pilot).zip(&costs).map(|((strategy, c), cost)| (*strategy, c.weight(), *cost)));
         let pixel_weights = self.two_stage.map(|gamma| {
             let splats: Vec<_> = pilot.iter().map(|candidate| (candidate.pixel, candidate.weight())).collect();
             PixelWeights::from_pilot(self.film, gamma, &splats)

@@ -2,6 +2,7 @@
 
 pub mod bootstrap;
 pub mod cuts;
+pub mod guidance;
 pub mod mix;
 pub mod pool;
 pub mod similarity;

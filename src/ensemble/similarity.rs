@@ -7,15 +7,15 @@ const SUBSAMPLE: usize = 256;
 
 /// d^2 = (1/n) SUM_j |x_j - v_j|^2 / h^2 over vertices j = 0..edges of both paths: all but the camera's.
 ///
-/// `bandwidth` is h, in scene units.
-pub fn mean_squared_distance(
+/// `bandwidth` is h, in scene units; what is compared may have more coordinates than a position (scaled normals).
+pub fn mean_squared_distance<const N: usize>(
     edges: u32,
     bandwidth: f64,
-    x: impl Fn(usize) -> [f64; 3],
-    v: impl Fn(usize) -> [f64; 3],
+    x: impl Fn(usize) -> [f64; N],
+    v: impl Fn(usize) -> [f64; N],
 ) -> f64 {
-    let squared = |j| -> f64 { (0..3).map(|axis| (x(j)[axis] - v(j)[axis]).powi(2)).sum() };
-    let sum: f64 = (0..edges as usize).map(squared).sum();
+    let squared = |(a, b): ([f64; N], [f64; N])| -> f64 { a.iter().zip(&b).map(|(a, b)| (a - b).powi(2)).sum() };
+    let sum: f64 = (0..edges as usize).map(|j| squared((x(j), v(j)))).sum();
     sum / (f64::from(edges) * bandwidth * bandwidth)
 }
 
@@ -47,9 +47,9 @@ impl Similarity {
 /// find if they were not in the pool themselves (C12: leave a member out of its own S).
 /// `None` if no member has another of its length. `position(place, vertex)` is that of the path at `pool.order[place]`,
 /// vertex 0 at the light.
-pub fn similarity_median(
+pub fn similarity_median<const N: usize>(
     pool: &Pool,
-    position: impl Fn(u32, usize) -> [f64; 3],
+    position: impl Fn(u32, usize) -> [f64; N],
     bandwidth: f32,
     guides: u32,
 ) -> Option<f32> {
@@ -72,10 +72,10 @@ pub fn similarity_median(
 }
 
 /// S of the member at `order[at]` against the others; `None` if it is alone.
-fn leave_one_out(
+fn leave_one_out<const N: usize>(
     pool: &Pool,
     at: u32,
-    position: impl Fn(u32, usize) -> [f64; 3],
+    position: impl Fn(u32, usize) -> [f64; N],
     bandwidth: f64,
     guides: u32,
 ) -> Option<f64> {

@@ -38,7 +38,8 @@ impl Strategies {
     /// A quarter for walks, which find any length; then every length of `edges` alike, and every split of it. Under a
     /// sky, light subpaths are not traced: s is 0 or 1.
     pub fn uniform(edges: RangeInclusive<u32>, sky: bool) -> Self {
-        let limits: Vec<u32> = (1..*edges.end()).filter(|n| n.is_multiple_of(WALK_STEP)).chain([*edges.end()]).collect();
+        let limits: Vec<u32> =
+            (1..*edges.end()).filter(|n| n.is_multiple_of(WALK_STEP)).chain([*edges.end()]).collect();
         let share = WALK_SHARE / limits.len() as f64;
         let mut entries: Vec<_> = limits.into_iter().map(|n| (walk(n), share)).collect();
         let lengths = f64::from(edges.end() - edges.start() + 1);

@@ -5,6 +5,7 @@
 
 use super::bootstrap::{Bootstrap, Mean};
 use super::cuts::CutList;
+use super::guidance::{Guidance, NORMAL_LENGTH, SIMILARITY_RADIUS};
 use super::mix::{HALF_SWEEP, Mix};
 use super::pool::{Pool, TypeKey};
 use super::similarity::similarity_median;
@@ -15,8 +16,7 @@ use crate::gpu::layout::{
     PassUniform, ROW_KEY, guide_rows, row_guide, unpack_position,
 };
 use crate::gpu::run::{Buffer, Dispatch, Run};
-use crate::gpu::shader::{GUIDES, Variant};
-use crate::kernels::guided_lens::SIMILARITY_RADIUS;
+use crate::gpu::shader::Variant;
 use crate::reference::rng;
 use crate::report::statistics::KernelStatistics;
 use crate::scene::Features;
@@ -37,6 +37,7 @@ pub struct Build {
     pub maps: bool,
     /// Whether the chains' target is I / w.
     pub two_stage: bool,
+    pub guidance: Guidance,
     pub seed: u32,
     /// Paths in the ensemble, both halves.
     pub paths: u32,
@@ -49,6 +50,9 @@ impl Build {
         if !["weigh", "gather"].contains(&pass) {
             flags.extend(self.maps.then_some("maps"));
             flags.extend(self.two_stage.then_some("two_stage"));
+        }
+        if pass == "gather" || flags.contains(&"guided") {
+            flags.extend(self.guidance.flags());
         }
         // The other passes keep types, or draw lengths in range.
         if self.min_edges == INDIRECT_EDGES && pass == "independence" {
@@ -69,7 +73,7 @@ impl Build {
     }
 
     fn uniform(&self) -> PassUniform {
-        PassUniform { seed: self.seed, stride: self.paths, ..Default::default() }
+        self.guidance.of_run(PassUniform { seed: self.seed, stride: self.paths, ..Default::default() })
     }
 }
 
@@ -256,7 +260,6 @@ impl Ensemble {
             nodes_offset: work.nodes_offset,
             guides_first: self.first_path(1 - half),
             similarity_median: guides.similarity_median,
-            similarity_scale: 1.0 / (SIMILARITY_RADIUS * SIMILARITY_RADIUS),
             ..self.build.uniform()
         };
         let kernels: Vec<_> = self.mix.kernels().collect();
@@ -306,7 +309,8 @@ impl Ensemble {
         let uniform = PassUniform { entries: self.half_paths(), guides_first: first, ..self.build.uniform() };
         run.submit(&[Dispatch { variant: self.build.variant("gather", &[]), uniform }])?;
         let count = self.half_paths();
-        let ranges: Vec<_> = (0..guide_rows(self.build.max_edges))
+        let Guidance { normals, guides, .. } = self.build.guidance;
+        let ranges: Vec<_> = (0..guide_rows(self.build.max_edges, normals))
             .map(|i| {
                 let row = (row_guide(self.build.max_edges) + i) as u64;
                 let start = 16 * (row * u64::from(self.build.paths) + u64::from(first));
@@ -315,13 +319,21 @@ impl Ensemble {
             .collect();
         let bytes = run.read_ranges(Buffer::Chains, &ranges)?;
         let rows: &[[u32; 4]] = bytemuck::cast_slice(&bytes);
-        let position = |place: u32, vertex: usize| {
-            let word = 1 + vertex;
-            unpack_position(rows[word / 4 * count as usize + place as usize][word % 4])
+        let read =
+            |place: u32, word: usize| unpack_position(rows[word / 4 * count as usize + place as usize][word % 4]);
+        let position = |place, vertex| read(place, 1 + vertex);
+        let with_normal = |place, vertex| {
+            let [x, y, z] = position(place, vertex);
+            let n = read(place, 1 + self.build.max_edges as usize + vertex).map(|n| NORMAL_LENGTH * n);
+            [x, y, z, n[0], n[1], n[2]]
+        };
+        let median = if normals {
+            similarity_median(pool, with_normal, SIMILARITY_RADIUS, guides)
+        } else {
+            similarity_median(pool, position, SIMILARITY_RADIUS, guides)
         };
         // A pool in which no path has company guides nobody: any median will do.
-        self.halves[half].similarity_median =
-            similarity_median(pool, position, SIMILARITY_RADIUS, GUIDES).unwrap_or(0.0);
+        self.halves[half].similarity_median = median.unwrap_or(0.0);
         Ok(())
     }
 

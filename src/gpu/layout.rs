@@ -35,6 +35,9 @@ pub struct PassUniform {
     pub guides_first: u32,
     pub similarity_median: f32,
     pub similarity_scale: f32,
+    pub guides: u32,
+    pub alpha_low: f32,
+    pub alpha_high: f32,
     pub weight: f32,
     pub counters_offset: u32,
     pub origins: u32,
@@ -64,15 +67,16 @@ pub fn row_guide(max_edges: u32) -> usize {
 
 /// Rows of vec4 that a chain with up to `max_edges` edges needs.
 pub fn chain_rows(max_edges: u32) -> usize {
-    row_guide(max_edges) + guide_rows(max_edges)
+    row_guide(max_edges) + guide_rows(max_edges, true)
 }
 
-/// Rows of vec4 that a guide with up to `max_edges` edges needs: a word for the pixel and one a position.
-pub fn guide_rows(max_edges: u32) -> usize {
-    (1 + max_edges as usize).div_ceil(4)
+/// Rows of vec4 that a guide with up to `max_edges` edges needs: a word for the pixel and one a position, one a normal.
+pub fn guide_rows(max_edges: u32, normals: bool) -> usize {
+    let vertices = max_edges as usize;
+    (1 + if normals { 2 * vertices } else { vertices }).div_ceil(4)
 }
 
-/// Twin of `guide_position`: in the unit sphere's frame.
+/// Twin of `unpack_position` in shaders/transport/guide.wesl: in the unit sphere's frame.
 pub fn unpack_position(word: u32) -> [f64; 3] {
     [0, 10, 20].map(|shift| f64::from((word >> shift) & 1023) / 511.5 - 1.0)
 }
@@ -162,6 +166,9 @@ mod tests {
             guides_first,
             similarity_median,
             similarity_scale,
+            guides,
+            alpha_low,
+            alpha_high,
             weight,
             counters_offset,
             origins,

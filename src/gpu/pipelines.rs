@@ -25,7 +25,8 @@ impl Builder {
     /// All at once, each on its own thread.
     pub fn build_all(&self, variants: &[Variant]) -> Result<Vec<(Variant, wgpu::ComputePipeline)>> {
         std::thread::scope(|scope| {
-            let threads: Vec<_> = variants.iter().map(|v| scope.spawn(move || Ok((v.clone(), self.build(v)?)))).collect();
+            let threads: Vec<_> =
+                variants.iter().map(|v| scope.spawn(move || Ok((v.clone(), self.build(v)?)))).collect();
             threads.into_iter().map(|thread| thread.join().expect("building a pipeline does not panic")).collect()
         })
     }

@@ -5,8 +5,8 @@ use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use super::context::Context;
-use super::pipelines::{self, Builder};
 use super::layout::{PassUniform, STRATEGY_ENTRIES, WEIGHT_ENTRIES};
+use super::pipelines::{self, Builder};
 use super::scene::{GpuScene, SceneData};
 use super::shader::Variant;
 use crate::{Error, Result};

@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use include_dir::{Dir, include_dir};
 use wesl::{CompileOptions, Feature, ModulePath, VirtualResolver, Wesl};
 
+use crate::ensemble::guidance::MOST_GUIDES;
 use crate::scene::Features;
 
 static SOURCES: Dir = include_dir!("$CARGO_MANIFEST_DIR/shaders");
@@ -22,18 +23,16 @@ pub struct Variant {
     pub flags: Vec<&'static str>,
 }
 
-/// Guides per look-up, M of the supplement.
-pub const GUIDES: u32 = 16;
-
 /// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
 /// instead of splats, and deliberately wrong kernels that the tests must catch.
-pub const PASS_FLAGS: [&str; 20] = [
+pub const PASS_FLAGS: [&str; 21] = [
     "guided",
     "multi_chain",
     "walk",
     "kept_weights",
     "difference",
     "jump",
+    "normals",
     "segment",
     "maps",
     "two_stage",
@@ -54,7 +53,8 @@ pub const PASS_FLAGS: [&str; 20] = [
 pub fn compose(variant: &Variant) -> Result<String, String> {
     let mut resolver = VirtualResolver::new();
     add_modules(&SOURCES, &mut resolver)?;
-    let constants = format!("const MAX_EDGES: u32 = {}u;\nconst GUIDES: u32 = {GUIDES}u;\n", variant.max_edges);
+    let constants =
+        format!("const MAX_EDGES: u32 = {}u;\nconst MOST_GUIDES: u32 = {MOST_GUIDES}u;\n", variant.max_edges);
     resolver.add_module(module_path("specialised")?, Cow::Owned(constants));
     let mut options = CompileOptions::default();
     // naga validates what comes out.

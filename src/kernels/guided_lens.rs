@@ -14,6 +14,3 @@ pub const KERNEL: Kernel = Kernel {
     useless: never_useless,
     guided: true,
 };
-
-/// Similarity bandwidth h as a fraction of the scene's bounding radius (METHOD.md 3.3).
-pub const SIMILARITY_RADIUS: f32 = 0.2;

@@ -13,8 +13,7 @@ use crate::gpu::layout::{COUNTER_WORDS, FILM_SCALE, chain_rows};
 use crate::gpu::run::{Buffer, Run, Sizes};
 use crate::gpu::scene::SceneData;
 use crate::kernels::{
-    Kernel, bidirectional, caustic, guided_bidirectional, guided_caustic, guided_lens, guided_multi_chain,
-    independence, lens, multi_chain,
+    Kernel, bidirectional, caustic, guided_bidirectional, guided_lens, independence, lens, multi_chain,
 };
 use crate::report::statistics::Statistics;
 use crate::scene::Features;
@@ -30,11 +29,7 @@ pub fn default_mix(method: Method) -> Vec<(&'static Kernel, f64)> {
         (&caustic::KERNEL, 1.0),
     ];
     if guided {
-        weights.extend([
-            (&guided_lens::KERNEL, 1.0),
-            (&guided_multi_chain::KERNEL, 1.0),
-            (&guided_caustic::KERNEL, 1.0),
-        ]);
+        weights.push((&guided_lens::KERNEL, 1.0));
     }
     weights
 }
@@ -47,6 +42,7 @@ pub(super) fn render(
     observer: &mut dyn Observer,
     mut statistics: Statistics,
 ) -> crate::Result<Outcome> {
+    settings.guidance.check()?;
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     let channels = if settings.maps { 5 } else { 3 };
     let weights = settings.kernels.clone().unwrap_or_else(|| default_mix(settings.method));
@@ -58,6 +54,7 @@ pub(super) fn render(
         max_edges: settings.max_depth,
         maps: settings.maps,
         two_stage: settings.two_stage.is_some(),
+        guidance: settings.guidance,
         seed: settings.seed,
         paths: settings.ensemble,
     };

@@ -6,6 +6,7 @@ mod pt;
 
 use std::time::Instant;
 
+use crate::ensemble::guidance::Guidance;
 use crate::film::{Channel, Image};
 use crate::gpu::context::Context;
 use crate::gpu::scene::SceneData;
@@ -73,6 +74,8 @@ pub struct Settings {
     pub ensemble: u32,
     /// Kernels with their weights (mlt, emlt); the method's own mix without.
     pub kernels: Option<Vec<(&'static Kernel, f64)>>,
+    /// How guided kernels look at the other half (emlt).
+    pub guidance: Guidance,
     /// Who renders direct light (mlt, emlt).
     pub direct: Direct,
     /// Exponent gamma from 0 to 1 of a two-stage target (mlt, emlt): chains spend their samples on the image's luminance
@@ -98,6 +101,7 @@ impl Default for Settings {
             camera: None,
             ensemble: 16384,
             kernels: None,
+            guidance: Guidance::default(),
             direct: Direct::Mcmc,
             two_stage: None,
             maps: false,

@@ -31,6 +31,11 @@ pub fn attributes(scene: &Scene, settings: &Settings, statistics: &Statistics) -
     }
     if !statistics.kernels.is_empty() {
         list.push(("ensemble", f64::from(settings.ensemble).into()));
+        let guidance = settings.guidance;
+        list.push(("guides", f64::from(guidance.guides).into()));
+        list.push(("alphaLow", f64::from(guidance.alpha[0]).into()));
+        list.push(("alphaHigh", f64::from(guidance.alpha[1]).into()));
+        list.push(("similarity", if guidance.normals { "normals" } else { "positions" }.into()));
         list.push(("kernelMix", kernel_mix(statistics).as_str().into()));
     }
     list.into_iter().map(|(name, value)| (name.to_string(), value)).collect()

@@ -4,7 +4,7 @@
 //! pixel is e (1 - rho^k) / (1 - rho) (METHOD.md 4.5, F1).
 
 use emlt::ensemble::bootstrap::{BATCH, CANDIDATE_PASS, CANDIDATES, Mean, Start};
-use emlt::ensemble::strategies::{Strategies};
+use emlt::ensemble::strategies::Strategies;
 use emlt::ensemble::sweep::list_words;
 use emlt::film::Image;
 use emlt::gpu::context::Context;

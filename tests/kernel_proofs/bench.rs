@@ -4,6 +4,7 @@ use std::path::Path;
 
 use emlt::ensemble::bootstrap::{BATCH, Bootstrap, Candidate, Start};
 use emlt::ensemble::cuts::CutList;
+use emlt::ensemble::guidance::Guidance;
 use emlt::ensemble::pool::{Pool, TypeKey};
 use emlt::ensemble::sweep::list_words;
 use emlt::gpu::context::Context;
@@ -12,7 +13,6 @@ use emlt::gpu::run::{Buffer, Dispatch, Run, Sizes};
 use emlt::gpu::scene::SceneData;
 use emlt::gpu::shader::Variant;
 use emlt::kernels::Kernel;
-use emlt::kernels::guided_lens::SIMILARITY_RADIUS;
 use emlt::methods::Silent;
 use emlt::reference::rng;
 use emlt::scene::{Features, import::import};
@@ -131,8 +131,7 @@ impl<'a> Bench<'a> {
             guides_first,
             origins: PATHS,
             similarity_median: -8.0,
-            similarity_scale: 1.0 / (SIMILARITY_RADIUS * SIMILARITY_RADIUS),
-            ..Default::default()
+            ..Guidance::default().of_run(PassUniform::default())
         };
         (uniform, list.entries.iter().map(|e| e[0]).collect())
     }
