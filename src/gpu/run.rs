@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::context::Context;
@@ -13,7 +14,7 @@ use crate::{Error, Result};
 /// Threads a workgroup, as in every pass.
 const WORKGROUP: u32 = 64;
 /// Passes that one submission can hold.
-const PASS_SLOTS: usize = 256;
+pub const PASS_SLOTS: usize = 256;
 /// Uniform offsets are multiples of this on every device.
 const PASS_STRIDE: usize = 256;
 
@@ -44,7 +45,7 @@ pub struct Dispatch {
 /// Buffers, pipelines and clock of one run. GPU work is recorded as [`Dispatch`]es and submitted in order.
 pub struct Run<'a> {
     context: &'a Context,
-    scene: GpuScene,
+    scene: Arc<GpuScene>,
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
     uniforms: wgpu::Buffer,
@@ -62,6 +63,11 @@ pub struct Run<'a> {
 impl<'a> Run<'a> {
     /// Uploads the scene and allocates zeroed buffers.
     pub fn new(context: &'a Context, scene: &SceneData, sizes: Sizes) -> Result<Self> {
+        Self::over(context, Arc::new(GpuScene::new(context, scene)?), sizes)
+    }
+
+    /// Allocates zeroed buffers for a run over a scene that is on the device already.
+    pub fn over(context: &'a Context, scene: Arc<GpuScene>, sizes: Sizes) -> Result<Self> {
         let device = &context.device;
         let limit = device.limits().max_storage_buffer_binding_size;
         let storage = |label: &str, bytes: u64, advice: &str| {
@@ -115,7 +121,7 @@ impl<'a> Run<'a> {
         );
         Ok(Self {
             context,
-            scene: GpuScene::new(context, scene)?,
+            scene,
             layout,
             group,
             uniforms,
@@ -153,6 +159,15 @@ impl<'a> Run<'a> {
 
     /// Builds the pipelines, all at once, and runs each once on nothing: drivers compile at the first dispatch.
     pub fn compile(&mut self, variants: &[Variant]) -> Result<()> {
+        self.build_all(variants)?;
+        variants.iter().try_for_each(|variant| self.warm(variant))
+    }
+
+    /// Builds the pipelines, all at once; those that the device has had before are there already.
+    pub fn build_all(&mut self, variants: &[Variant]) -> Result<()> {
+        for (variant, pipeline) in self.context.pipelines().iter().filter(|(variant, _)| variants.contains(variant)) {
+            self.pipelines.insert(variant.clone(), pipeline.clone());
+        }
         let missing: Vec<&Variant> = variants.iter().filter(|v| !self.pipelines.contains_key(v)).collect();
         let this = &*self;
         let built: Vec<Result<wgpu::ComputePipeline>> = std::thread::scope(|scope| {
@@ -161,9 +176,19 @@ impl<'a> Run<'a> {
         });
         for (variant, pipeline) in missing.into_iter().zip(built) {
             self.pipelines.insert(variant.clone(), pipeline?);
-            self.submit(&[Dispatch { variant: variant.clone(), uniform: PassUniform::default() }])?;
         }
-        self.wait()
+        Ok(())
+    }
+
+    /// Runs a pipeline once on nothing and waits, unless that was done on this device before.
+    pub fn warm(&mut self, variant: &Variant) -> Result<()> {
+        if self.context.pipelines().contains_key(variant) {
+            return Ok(());
+        }
+        self.submit(&[Dispatch { variant: variant.clone(), uniform: PassUniform::default() }])?;
+        self.wait()?;
+        self.context.pipelines().insert(variant.clone(), self.pipelines[variant].clone());
+        Ok(())
     }
 
     fn build(&self, variant: &Variant) -> Result<wgpu::ComputePipeline> {
