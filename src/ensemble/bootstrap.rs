@@ -6,7 +6,6 @@ use crate::gpu::layout::PassUniform;
 use crate::gpu::run::{Buffer, Dispatch, Run};
 use crate::gpu::shader::Variant;
 use crate::reference::rng;
-use crate::report::observer::Observer;
 use crate::scene::Features;
 
 /// Candidates from which b and the seeds come.
@@ -82,7 +81,8 @@ pub struct Bootstrap {
 }
 
 /// The part of a run's set-up that the start needs.
-pub struct Start<'s> {
+#[derive(Debug, Clone, Copy)]
+pub struct Start {
     pub features: Features,
     /// 1, or [`INDIRECT_EDGES`] where direct light is made apart.
     pub min_edges: u32,
@@ -95,7 +95,47 @@ pub struct Start<'s> {
     /// Columns of the chains, at least as many.
     pub stride: u32,
     pub film: [u32; 2],
-    pub observer: &'s mut dyn Observer,
+}
+
+/// Candidates on their way, a batch at a time.
+struct Draw {
+    pass_index: u32,
+    list: Vec<[u32; 2]>,
+    candidates: Vec<Candidate>,
+}
+
+impl Draw {
+    fn is_done(&self) -> bool {
+        self.candidates.len() == self.list.len()
+    }
+}
+
+/// A start on its way: first the pilot's candidates, then those that count.
+pub struct Starting {
+    strategies: Strategies,
+    pixel_weights: Option<PixelWeights>,
+    rays: u64,
+    draw: Draw,
+}
+
+impl Starting {
+    /// Share of the candidates that are made, in [0, 1].
+    pub fn share(&self) -> f64 {
+        let before = if self.draw.pass_index == PILOT_PASS { 0 } else { PILOT as usize };
+        (before + self.draw.candidates.len()) as f64 / f64::from(PILOT + CANDIDATES)
+    }
+
+    fn is_done(&self) -> bool {
+        self.draw.pass_index == CANDIDATE_PASS && self.draw.is_done()
+    }
+}
+
+/// Per candidate, the rays of the slowest one among those that run in lockstep with it.
+fn waited_for(candidates: &[Candidate]) -> impl Iterator<Item = f64> + '_ {
+    candidates.chunks(LOCKSTEP).flat_map(|group| {
+        let slowest = group.iter().map(|c| c.rays).fold(0.0, f32::max);
+        group.iter().map(move |_| f64::from(slowest))
+    })
 }
 
 /// The pipeline of the start.
@@ -104,27 +144,48 @@ pub fn variant(features: Features, min_edges: u32, max_edges: u32) -> Variant {
     Variant { pass: "bootstrap", features, max_edges, flags }
 }
 
-impl Start<'_> {
+impl Start {
     /// Estimates b and fills the chains of `run`; its output buffer is left with candidates in it. `None` where no
     /// candidate carries light.
-    pub fn run(&mut self, run: &mut Run) -> crate::Result<Option<Bootstrap>> {
-        let mut strategies = Strategies::uniform(self.min_edges..=self.max_edges, self.features.sky);
-        let mut rays = 0;
-        let (pilot, list) = self.candidates(run, &strategies, PILOT, PILOT_PASS, &mut rays)?;
-        let costs: Vec<f64> = pilot
-            .chunks(LOCKSTEP)
-            .flat_map(|group| {
-                let slowest = group.iter().map(|c| c.rays).fold(0.0, f32::max);
-                group.iter().map(move |_| f64::from(slowest))
-            })
-            .collect();
-        strategies = strategies
-            .adapted(list.iter().zip(&pilot).zip(&costs).map(|((strategy, c), cost)| (*strategy, c.weight(), *cost)));
-        let pixel_weights = self.two_stage.map(|gamma| {
-            let splats: Vec<_> = pilot.iter().map(|candidate| (candidate.pixel, candidate.weight())).collect();
-            PixelWeights::from_pilot(self.film, gamma, &splats)
-        });
-        let (candidates, list) = self.candidates(run, &strategies, CANDIDATES, CANDIDATE_PASS, &mut rays)?;
+    pub fn run(&self, run: &mut Run) -> crate::Result<Option<Bootstrap>> {
+        let mut starting = self.begin(run);
+        while self.step(run, &mut starting)? {}
+        self.finish(run, starting)
+    }
+
+    /// Begins what [`Self::run`] does at once; nothing is made yet.
+    pub fn begin(&self, run: &Run) -> Starting {
+        let strategies = Strategies::uniform(self.min_edges..=self.max_edges, self.features.sky);
+        let draw = self.draw(run, &strategies, PILOT, PILOT_PASS);
+        Starting { strategies, pixel_weights: None, rays: 0, draw }
+    }
+
+    /// Makes one batch of candidates; whether more are to be made.
+    pub fn step(&self, run: &mut Run, starting: &mut Starting) -> crate::Result<bool> {
+        self.batch(run, &mut starting.draw)?;
+        if starting.draw.pass_index == PILOT_PASS && starting.draw.is_done() {
+            let Draw { list, candidates: pilot, .. } = &starting.draw;
+            starting.rays += rays(pilot);
+            starting.strategies = starting.strategies.adapted(
+                list.iter()
+                    .zip(pilot)
+                    .zip(waited_for(pilot))
+                    .map(|((strategy, candidate), rays)| (*strategy, candidate.weight(), rays)),
+            );
+            starting.pixel_weights = self.two_stage.map(|gamma| {
+                let splats: Vec<_> = pilot.iter().map(|candidate| (candidate.pixel, candidate.weight())).collect();
+                PixelWeights::from_pilot(self.film, gamma, &splats)
+            });
+            starting.draw = self.draw(run, &starting.strategies, CANDIDATES, CANDIDATE_PASS);
+        }
+        Ok(!starting.is_done())
+    }
+
+    /// Chooses the seeds among the candidates, once all are made, and fills the chains.
+    pub fn finish(&self, run: &mut Run, starting: Starting) -> crate::Result<Option<Bootstrap>> {
+        assert!(starting.is_done(), "candidates are missing");
+        let Starting { strategies, pixel_weights, draw: Draw { list, candidates, .. }, .. } = starting;
+        let rays = starting.rays + rays(&candidates);
         let mut b = Mean::default();
         candidates.iter().for_each(|candidate| b.add(candidate.weight()));
         if b.sum <= 0.0 {
@@ -142,32 +203,44 @@ impl Start<'_> {
 
     /// Makes `count` candidates, with their strategies; systematic over strategies, so neighbours share one.
     pub fn candidates(
-        &mut self,
+        &self,
         run: &mut Run,
         strategies: &Strategies,
         count: u32,
         pass_index: u32,
-        rays: &mut u64,
     ) -> crate::Result<(Vec<Candidate>, Vec<[u32; 2]>)> {
+        let mut draw = self.draw(run, strategies, count, pass_index);
+        while !draw.is_done() {
+            self.batch(run, &mut draw)?;
+        }
+        Ok((draw.candidates, draw.list))
+    }
+
+    fn draw(&self, run: &Run, strategies: &Strategies, count: u32, pass_index: u32) -> Draw {
         run.set_strategies(&strategies.log_table());
         let offset = rng::uniform(rng::random_words(self.seed, 0, pass_index, u32::MAX)[0]);
         let list = strategies.systematic(count, offset);
-        let mut candidates: Vec<Candidate> = Vec::with_capacity(count as usize);
+        Draw { pass_index, list, candidates: Vec::with_capacity(count as usize) }
+    }
+
+    fn batch(&self, run: &mut Run, draw: &mut Draw) -> crate::Result<()> {
+        let first = draw.candidates.len() as u32;
+        let entries = BATCH.min(draw.list.len() as u32 - first);
+        let words: Vec<u32> =
+            (first..first + entries).flat_map(|i| [draw.list[i as usize][0], draw.list[i as usize][1], i]).collect();
+        run.set_lists(&words);
         let variant = variant(self.features, self.min_edges, self.max_edges);
-        for first in (0..count).step_by(BATCH as usize) {
-            let entries = BATCH.min(count - first);
-            let words: Vec<u32> =
-                (first..first + entries).flat_map(|i| [list[i as usize][0], list[i as usize][1], i]).collect();
-            run.set_lists(&words);
-            let uniform =
-                PassUniform { entries, pass_index, seed: self.seed, stride: self.stride, ..Default::default() };
-            run.submit(&[Dispatch { variant: variant.clone(), uniform }])?;
-            let bytes = run.read(Buffer::Output, 0..16 * u64::from(entries))?;
-            candidates.extend_from_slice(bytemuck::cast_slice(&bytes));
-            self.observer.progress(f64::from(first + entries) / f64::from(count));
-        }
-        *rays += candidates.iter().map(|c| c.rays as u64).sum::<u64>();
-        Ok((candidates, list))
+        let uniform = PassUniform {
+            entries,
+            pass_index: draw.pass_index,
+            seed: self.seed,
+            stride: self.stride,
+            ..Default::default()
+        };
+        run.submit(&[Dispatch { variant, uniform }])?;
+        let bytes = run.read(Buffer::Output, 0..16 * u64::from(entries))?;
+        draw.candidates.extend_from_slice(bytemuck::cast_slice(&bytes));
+        Ok(())
     }
 
     /// Seeds of both halves: candidates drawn with probability proportional to weight by systematic resampling along a
@@ -220,6 +293,11 @@ impl Start<'_> {
         };
         run.submit(&[Dispatch { variant, uniform }])
     }
+}
+
+/// Rays that candidates took, all together.
+fn rays(candidates: &[Candidate]) -> u64 {
+    candidates.iter().map(|c| c.rays as u64).sum()
 }
 
 /// Position along the Hilbert curve that fills a square of `side` (a power of two) pixels.

@@ -1,6 +1,7 @@
 //! The ensemble: its start, its pool of guides, its sweeps.
 
 pub mod bootstrap;
+mod build;
 pub mod cuts;
 pub mod guidance;
 pub mod mix;

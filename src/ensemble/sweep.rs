@@ -1,81 +1,32 @@
 //! Half-sweeps: one half of the ensemble moves while the other is frozen and guides it (METHOD.md 3.1, 3.7).
 //!
 //! A half-sweep is first structural mutations of every path, then a fixed number of passes in which types do not change
-//! and the dispatch lists are sorted by type. Paths that no kernel applies to rest with their weight (C6a).
+//! and the dispatch lists are sorted by type. Paths that no kernel applies to rest with their weight (C6a). It can be made in
+//! smaller steps, which change nothing but when the host hears of them.
+
+use std::collections::VecDeque;
 
 use super::bootstrap::{Bootstrap, Mean};
+pub use super::build::{Build, list_words};
 use super::cuts::CutList;
 use super::guidance::{Guidance, NORMAL_LENGTH, SIMILARITY_RADIUS};
-use super::mix::{HALF_SWEEP, Mix};
+use super::mix::Mix;
 use super::pool::{Pool, TypeKey};
 use super::similarity::similarity_median;
-use super::strategies::INDIRECT_EDGES;
 use super::work::Work;
 use crate::gpu::layout::{
     COUNTER_ACCEPTED, COUNTER_JUMP_HIGH, COUNTER_JUMP_LOW, COUNTER_NON_FINITE, COUNTER_RAYS, COUNTER_WORDS, JUMP_SCALE,
     PassUniform, ROW_KEY, guide_rows, row_guide, unpack_position,
 };
-use crate::gpu::run::{Buffer, Dispatch, Run};
-use crate::gpu::shader::Variant;
+use crate::gpu::run::{Buffer, Dispatch, PASS_SLOTS, Run};
 use crate::reference::rng;
 use crate::report::statistics::KernelStatistics;
-use crate::scene::Features;
 use crate::{Error, Result};
 
 /// Dimension block from which the host draws the independence kernel's strategy.
 const DIMENSION_STRATEGY: u32 = 0xffff;
 /// The independence kernel's number in every mix.
 const INDEPENDENCE: usize = 0;
-
-/// What the shaders of a run are compiled for, besides the kernel.
-#[derive(Debug, Clone, Copy)]
-pub struct Build {
-    pub features: Features,
-    /// 1, or [`INDIRECT_EDGES`] where direct light is made apart.
-    pub min_edges: u32,
-    pub max_edges: u32,
-    pub maps: bool,
-    /// Whether the chains' target is I / w.
-    pub two_stage: bool,
-    pub guidance: Guidance,
-    pub seed: u32,
-    /// Paths in the ensemble, both halves.
-    pub paths: u32,
-}
-
-impl Build {
-    /// The pipeline of a pass that may splat directions.
-    pub fn variant(&self, pass: &'static str, flags: &[&'static str]) -> Variant {
-        let mut flags = flags.to_vec();
-        if !["weigh", "gather"].contains(&pass) {
-            flags.extend(self.maps.then_some("maps"));
-            flags.extend(self.two_stage.then_some("two_stage"));
-        }
-        if pass == "gather" || flags.contains(&"guided") {
-            flags.extend(self.guidance.flags());
-        }
-        // The other passes keep types, or draw lengths in range.
-        if self.min_edges == INDIRECT_EDGES && pass == "independence" {
-            flags.push("indirect");
-        }
-        Variant { pass, features: self.features, max_edges: self.max_edges, flags }
-    }
-
-    /// All pipelines of a mix.
-    pub fn variants(&self, mix: &Mix) -> Vec<Variant> {
-        let mut variants: Vec<Variant> = mix.kernels().map(|k| self.variant(k.pass, k.flags)).collect();
-        variants.push(self.variant("weigh", &[]));
-        variants.push(self.variant("rest", &[]));
-        if mix.guided() {
-            variants.push(self.variant("gather", &[]));
-        }
-        variants
-    }
-
-    fn uniform(&self) -> PassUniform {
-        self.guidance.of_run(PassUniform { seed: self.seed, stride: self.paths, ..Default::default() })
-    }
-}
 
 /// One half while it is frozen: its pool, and the median log similarity of its members (METHOD.md 3.4).
 #[derive(Debug, Clone, Default)]
@@ -94,6 +45,14 @@ struct Tally {
     jump_px2: f64,
 }
 
+/// Where a half-sweep stands between its steps.
+enum Phase {
+    /// So many structural mutations of every path are made.
+    Structural(u32),
+    /// Perturbations that the device has not been given yet, in order.
+    Perturbing(VecDeque<Dispatch>),
+}
+
 /// The ensemble in motion.
 pub struct Ensemble {
     build: Build,
@@ -102,6 +61,7 @@ pub struct Ensemble {
     halves: [Half; 2],
     /// Which half moves next.
     moving: usize,
+    phase: Phase,
     /// Global pass counter; keys every random number together with the path index.
     pass_index: u32,
     /// One a kernel of the mix.
@@ -111,13 +71,6 @@ pub struct Ensemble {
     /// b and the integral of the target: their samples of the start, and every proposal of the independence kernel.
     b: Mean,
     target: Mean,
-}
-
-/// Words of the lists that a run over `paths` paths needs: dispatch lists and nodes, or a batch of candidates.
-pub fn list_words(paths: u32, bootstrap_batch: u32) -> u64 {
-    // At worst every pass has lists of its own, two words a path, and every path a node of its own.
-    let perturbation = u64::from(paths) * u64::from(HALF_SWEEP + 1);
-    perturbation.max(3 * u64::from(bootstrap_batch.max(paths)))
 }
 
 impl Ensemble {
@@ -135,6 +88,7 @@ impl Ensemble {
             bootstrap,
             halves: Default::default(),
             moving: 0,
+            phase: Phase::Structural(0),
             pass_index: 0,
             tallies,
             rests: 0,
@@ -162,32 +116,71 @@ impl Ensemble {
         self.rests + self.tallies.iter().map(|t| t.mutations).sum::<u64>()
     }
 
-    /// Moves one half, then swaps the halves' parts.
-    pub fn half_sweep(&mut self, run: &mut Run) -> Result<()> {
+    /// Whether no half-sweep is under way: then, and only then, every mutation counted is on the film.
+    pub fn is_whole(&self) -> bool {
+        matches!(self.phase, Phase::Structural(0))
+    }
+
+    /// Whether the next step perturbs, and so can be cut.
+    pub fn perturbs(&self) -> bool {
+        matches!(self.phase, Phase::Perturbing(_))
+    }
+
+    /// A part of a half-sweep: one structural mutation of every path, or at most so many dispatches of perturbations. The
+    /// last part swaps the halves' parts.
+    pub fn step(&mut self, run: &mut Run, dispatches: usize) -> Result<()> {
         let half = self.moving;
-        for kernel in 0..self.tallies.len() {
-            for _ in 0..self.mix.structural_passes(kernel) {
-                if kernel == INDEPENDENCE {
-                    self.independence(run, half)?;
-                } else {
-                    self.bidirectional(run, half, kernel)?;
+        match &mut self.phase {
+            Phase::Structural(made) => {
+                let number = *made;
+                let kernel = self.structural_kernel(number);
+                if let Some(kernel) = kernel {
+                    self.structural(run, half, kernel)?;
                 }
-                let rows = self.read_key_rows(run, half)?;
-                self.halves[half].pool = self.pool_of(&rows, half)?;
-                if kernel == INDEPENDENCE {
-                    for row in &rows {
-                        let log_weight = f64::from(f32::from_bits(row[3]));
-                        let log_w = if self.build.two_stage { f64::from(f32::from_bits(row[2])) } else { 0.0 };
-                        self.b.add(log_weight.exp());
-                        self.target.add((log_weight - log_w).exp());
-                    }
+                self.phase = if self.structural_kernel(number + 1).is_some() {
+                    Phase::Structural(number + 1)
+                } else {
+                    Phase::Perturbing(self.perturbations(run, half))
+                };
+            }
+            Phase::Perturbing(waiting) => {
+                let now: Vec<Dispatch> = waiting.drain(..dispatches.clamp(1, PASS_SLOTS).min(waiting.len())).collect();
+                let last = waiting.is_empty();
+                run.submit(&now)?;
+                if last {
+                    self.freeze(run, half)?;
+                    self.tally(run)?;
+                    self.moving = 1 - half;
+                    self.phase = Phase::Structural(0);
                 }
             }
         }
-        self.perturb(run, half)?;
-        self.freeze(run, half)?;
-        self.tally(run)?;
-        self.moving = 1 - half;
+        Ok(())
+    }
+
+    /// The kernel that makes structural mutation `number` of a half-sweep.
+    fn structural_kernel(&self, number: u32) -> Option<usize> {
+        let mut passes =
+            (0..self.tallies.len()).flat_map(|kernel| (0..self.mix.structural_passes(kernel)).map(move |_| kernel));
+        passes.nth(number as usize)
+    }
+
+    fn structural(&mut self, run: &mut Run, half: usize, kernel: usize) -> Result<()> {
+        if kernel == INDEPENDENCE {
+            self.independence(run, half)?;
+        } else {
+            self.bidirectional(run, half, kernel)?;
+        }
+        let rows = self.read_key_rows(run, half)?;
+        self.halves[half].pool = self.pool_of(&rows, half)?;
+        if kernel == INDEPENDENCE {
+            for row in &rows {
+                let log_weight = f64::from(f32::from_bits(row[3]));
+                let log_w = if self.build.two_stage { f64::from(f32::from_bits(row[2])) } else { 0.0 };
+                self.b.add(log_weight.exp());
+                self.target.add((log_weight - log_w).exp());
+            }
+        }
         Ok(())
     }
 
@@ -251,8 +244,8 @@ impl Ensemble {
         run.submit(&dispatches)
     }
 
-    /// The type-keeping passes.
-    fn perturb(&mut self, run: &mut Run, half: usize) -> Result<()> {
+    /// The type-keeping passes; their lists go to the device at once.
+    fn perturbations(&mut self, run: &Run, half: usize) -> VecDeque<Dispatch> {
         let guides = &self.halves[1 - half];
         let work = Work::new(&self.halves[half].pool, &guides.pool, &self.mix, self.build.features);
         run.set_lists(&work.words);
@@ -263,10 +256,10 @@ impl Ensemble {
             ..self.build.uniform()
         };
         let kernels: Vec<_> = self.mix.kernels().collect();
-        let mut dispatches = Vec::new();
+        let mut dispatches = VecDeque::new();
         for pass in &work.passes {
             for &(kernel, list) in pass {
-                dispatches.push(Dispatch {
+                dispatches.push_back(Dispatch {
                     variant: self.build.variant(kernels[kernel].pass, kernels[kernel].flags),
                     uniform: PassUniform {
                         pass_index: self.pass_index,
@@ -281,7 +274,7 @@ impl Ensemble {
             self.pass_index += 1;
         }
         if work.idle.count > 0 {
-            dispatches.push(Dispatch {
+            dispatches.push_back(Dispatch {
                 variant: self.build.variant("rest", &[]),
                 uniform: PassUniform {
                     pass_index: self.pass_index,
@@ -294,7 +287,7 @@ impl Ensemble {
             self.rests += u64::from(work.idle.count) * u64::from(self.mix.perturbation_passes());
         }
         self.pass_index += 1;
-        run.submit(&dispatches)
+        dispatches
     }
 
     /// What the frozen half tells the moving one, taken after all its moves (METHOD.md C6e).

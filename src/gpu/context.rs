@@ -1,5 +1,9 @@
 //! The device: found, described, opened.
 
+use std::collections::HashMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use super::shader::Variant;
 use crate::{Error, Result};
 
 /// An open device with its queue.
@@ -11,6 +15,9 @@ pub struct Context {
     pub description: String,
     /// True for a driver that renders on the CPU, such as lavapipe.
     pub software: bool,
+    /// Pipelines that have run on the device, so that a renderer that starts again need not compile again. Their layouts
+    /// are the same for every run.
+    pipelines: Mutex<HashMap<Variant, wgpu::ComputePipeline>>,
 }
 
 /// A device that could be opened.
@@ -73,34 +80,51 @@ impl Context {
                 names.join(", ")
             ))
         })?;
-        Self::on(adapter.clone())
+        Self::on(adapter)
     }
 
-    /// Another device of the same kind, which shares nothing but the driver's caches.
-    pub fn another(&self) -> Result<Self> {
-        Self::on(self.adapter.clone())
-    }
-
-    fn on(adapter: wgpu::Adapter) -> Result<Self> {
-        let offered = adapter.limits();
-        let limits = wgpu::Limits {
-            max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
-            max_buffer_size: offered.max_buffer_size,
-            ..wgpu::Limits::default()
-        };
+    /// A new device of `adapter`.
+    fn on(adapter: &wgpu::Adapter) -> Result<Self> {
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("emlt"),
-            required_limits: limits,
+            required_limits: limits(adapter),
             ..Default::default()
         }))
         .map_err(|e| Error::runtime(format!("the device could not be opened: {e}")))?;
+        Ok(Self::over(adapter, device, queue))
+    }
+
+    /// Shares a device that another part of the program has opened, with at least [`limits`].
+    pub fn over(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let description = describe(&adapter.get_info());
-        Ok(Self {
-            adapter,
+        Self {
+            adapter: adapter.clone(),
             device,
             queue,
             description: format!("{} ({})", description.name, description.driver),
             software: description.software,
-        })
+            pipelines: Mutex::default(),
+        }
+    }
+
+    /// What opens another device of the same kind, which shares nothing but the driver's caches.
+    pub(super) fn another(&self) -> impl FnOnce() -> Result<Self> + Send + 'static {
+        let adapter = self.adapter.clone();
+        move || Self::on(&adapter)
+    }
+
+    pub(super) fn pipelines(&self) -> MutexGuard<'_, HashMap<Variant, wgpu::ComputePipeline>> {
+        // A map of whole entries: a thread that panics leaves it in order.
+        self.pipelines.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// What a renderer asks of a device: the default limits, and buffers as large as it has them.
+pub fn limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
+    let offered = adapter.limits();
+    wgpu::Limits {
+        max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
+        max_buffer_size: offered.max_buffer_size,
+        ..wgpu::Limits::default()
     }
 }

@@ -1,18 +1,22 @@
 //! Pipelines: built on threads of their own, then each run once on nothing, since drivers may compile at the first
 //! dispatch.
 
-use std::sync::Mutex;
+use std::ops::Range;
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::context::Context;
-use super::layout::PassUniform;
-use super::run::{Dispatch, Run, Sizes};
+use super::run::{Run, Sizes};
 use super::scene::SceneData;
 use super::shader::{Variant, compose};
 use crate::{Error, Result};
 
 /// A first dispatch that takes longer has compiled; a shorter one found its code in the driver's cache.
 const COMPILED: Duration = Duration::from_millis(250);
+
+/// Pipelines that are built and not yet compiled.
+pub type Built = Vec<(Variant, wgpu::ComputePipeline)>;
 
 /// Builds pipelines for a run, and needs nothing of it while it does.
 pub struct Builder {
@@ -23,7 +27,7 @@ pub struct Builder {
 
 impl Builder {
     /// All at once, each on its own thread.
-    pub fn build_all(&self, variants: &[Variant]) -> Result<Vec<(Variant, wgpu::ComputePipeline)>> {
+    pub fn build_all(&self, variants: &[Variant]) -> Result<Built> {
         std::thread::scope(|scope| {
             let threads: Vec<_> =
                 variants.iter().map(|v| scope.spawn(move || Ok((v.clone(), self.build(v)?)))).collect();
@@ -62,52 +66,68 @@ impl Builder {
     }
 }
 
-/// Runs pipelines of `run` once on nothing.
+/// Pipelines that are to be compiled.
 ///
 /// A software driver compiles them one after another on one core. As soon as it is seen to compile, a second device
 /// begins from the other end of the list; what it has compiled, the first one finds in the cache they share.
-pub fn warm_up(run: &mut Run, variants: &[Variant]) -> Result<()> {
-    let left = Mutex::new(0..variants.len());
-    let left = &left;
-    let context = run.context();
-    std::thread::scope(|scope| {
-        let mut second = None;
-        while let Some(i) = take(left, Range::next) {
+pub struct Compilation {
+    variants: Arc<[Variant]>,
+    /// Which of them nobody has taken yet.
+    left: Arc<Mutex<Range<usize>>>,
+    second: Option<JoinHandle<Vec<usize>>>,
+}
+
+impl Compilation {
+    pub(super) fn new(variants: Vec<Variant>) -> Self {
+        let left = Arc::new(Mutex::new(0..variants.len()));
+        Self { variants: variants.into(), left, second: None }
+    }
+
+    /// Share of the pipelines that someone has taken, in [0, 1].
+    pub fn share(&self) -> f64 {
+        let left = self.left.lock().map_or(0, |left| left.len());
+        1.0 - left as f64 / self.variants.len().max(1) as f64
+    }
+
+    /// Compiles the next pipeline of `run`; whether there may be more.
+    pub fn step(&mut self, run: &mut Run) -> Result<bool> {
+        if let Some(i) = take(&self.left, Range::next) {
             let start = Instant::now();
-            once(run, &variants[i])?;
-            if second.is_none() && context.software && start.elapsed() > COMPILED {
-                second = Some(scope.spawn(move || from_the_end(context, left, variants)));
+            run.once(&self.variants[i])?;
+            let compiled = run.context().software && start.elapsed() > COMPILED;
+            if compiled && self.second.is_none() && self.share() < 1.0 {
+                let open = run.context().another();
+                let (variants, left) = (self.variants.clone(), self.left.clone());
+                self.second = Some(std::thread::spawn(move || from_the_end(open, &variants, &left)));
             }
+            return Ok(true);
         }
-        if let Some(second) = second {
+        if let Some(second) = self.second.take() {
             // If it failed, these are compiled here after all.
             for i in second.join().expect("compiling does not panic") {
-                once(run, &variants[i])?;
+                run.once(&self.variants[i])?;
             }
         }
-        Ok(())
-    })
+        Ok(false)
+    }
 }
 
-type Range = std::ops::Range<usize>;
-
-fn take(left: &Mutex<Range>, end: impl Fn(&mut Range) -> Option<usize>) -> Option<usize> {
-    end(&mut left.lock().expect("nothing panics with it"))
-}
-
-fn once(run: &mut Run, variant: &Variant) -> Result<()> {
-    run.submit(&[Dispatch { variant: variant.clone(), uniform: PassUniform::default() }])?;
-    run.wait()
+fn take(left: &Mutex<Range<usize>>, end: impl Fn(&mut Range<usize>) -> Option<usize>) -> Option<usize> {
+    left.lock().ok().and_then(|mut left| end(&mut left))
 }
 
 /// Compiles from the end of the list on a device of its own; returns what it took.
-fn from_the_end(context: &Context, left: &Mutex<Range>, variants: &[Variant]) -> Vec<usize> {
+fn from_the_end(
+    open: impl FnOnce() -> Result<Context>,
+    variants: &[Variant],
+    left: &Mutex<Range<usize>>,
+) -> Vec<usize> {
     let mut taken = Vec::new();
-    let Ok(context) = context.another() else { return taken };
+    let Ok(context) = open() else { return taken };
     let Ok(mut run) = Run::new(&context, &SceneData::nothing(), Sizes::default()) else { return taken };
     while let Some(i) = take(left, Range::next_back) {
         taken.push(i);
-        if once(&mut run, &variants[i]).is_err() {
+        if run.once(&variants[i]).is_err() {
             break;
         }
     }

@@ -2,11 +2,12 @@
 
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::context::Context;
 use super::layout::{PassUniform, STRATEGY_ENTRIES, WEIGHT_ENTRIES};
-use super::pipelines::{self, Builder};
+use super::pipelines::{Builder, Built, Compilation};
 use super::scene::{GpuScene, SceneData};
 use super::shader::Variant;
 use crate::{Error, Result};
@@ -14,7 +15,7 @@ use crate::{Error, Result};
 /// Threads a workgroup, as in every pass.
 const WORKGROUP: u32 = 64;
 /// Passes that one submission can hold.
-const PASS_SLOTS: usize = 256;
+pub const PASS_SLOTS: usize = 256;
 /// Uniform offsets are multiples of this on every device.
 const PASS_STRIDE: usize = 256;
 
@@ -45,7 +46,7 @@ pub struct Dispatch {
 /// Buffers, pipelines and clock of one run. GPU work is recorded as [`Dispatch`]es and submitted in order.
 pub struct Run<'a> {
     context: &'a Context,
-    scene: GpuScene,
+    scene: Arc<GpuScene>,
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
     uniforms: wgpu::Buffer,
@@ -63,6 +64,11 @@ pub struct Run<'a> {
 impl<'a> Run<'a> {
     /// Uploads the scene and allocates zeroed buffers.
     pub fn new(context: &'a Context, scene: &SceneData, sizes: Sizes) -> Result<Self> {
+        Self::over(context, Arc::new(GpuScene::new(context, scene)?), sizes)
+    }
+
+    /// Allocates zeroed buffers for a run over a scene that is on the device already.
+    pub fn over(context: &'a Context, scene: Arc<GpuScene>, sizes: Sizes) -> Result<Self> {
         let device = &context.device;
         let limit = device.limits().max_storage_buffer_binding_size;
         let storage = |label: &str, bytes: u64, advice: &str| {
@@ -116,7 +122,7 @@ impl<'a> Run<'a> {
         );
         Ok(Self {
             context,
-            scene: GpuScene::new(context, scene)?,
+            scene,
             layout,
             group,
             uniforms,
@@ -154,8 +160,24 @@ impl<'a> Run<'a> {
 
     /// Builds pipelines, all at once, and has the driver compile them.
     pub fn compile(&mut self, variants: &[Variant]) -> Result<()> {
-        let built = self.builder().build_all(variants)?;
-        self.adopt(built)
+        let missing = self.missing(variants);
+        let built = self.builder().build_all(&missing)?;
+        let mut compilation = self.adopt(built);
+        while compilation.step(self)? {}
+        Ok(())
+    }
+
+    /// Those of `variants` that have not run on the device before; the others are taken over.
+    pub fn missing(&mut self, variants: &[Variant]) -> Vec<Variant> {
+        let known = self.context.pipelines();
+        let mut missing = Vec::new();
+        for variant in variants {
+            match known.get(variant) {
+                Some(pipeline) => drop(self.pipelines.insert(variant.clone(), pipeline.clone())),
+                None => missing.push(variant.clone()),
+            }
+        }
+        missing
     }
 
     /// What builds pipelines for this run elsewhere, to be handed to [`Run::adopt`].
@@ -163,11 +185,19 @@ impl<'a> Run<'a> {
         Builder { device: self.context.device.clone(), layouts: [self.scene.layout.clone(), self.layout.clone()] }
     }
 
-    /// Takes pipelines over and has the driver compile them.
-    pub fn adopt(&mut self, built: Vec<(Variant, wgpu::ComputePipeline)>) -> Result<()> {
-        let variants: Vec<Variant> = built.iter().map(|(variant, _)| variant.clone()).collect();
+    /// Takes pipelines over; they are ready once the compilation is done.
+    pub fn adopt(&mut self, built: Built) -> Compilation {
+        let variants = built.iter().map(|(variant, _)| variant.clone()).collect();
         self.pipelines.extend(built);
-        pipelines::warm_up(self, &variants)
+        Compilation::new(variants)
+    }
+
+    /// Runs a pipeline once on nothing, and waits: from then on the device knows it.
+    pub(super) fn once(&mut self, variant: &Variant) -> Result<()> {
+        self.submit(&[Dispatch { variant: variant.clone(), uniform: PassUniform::default() }])?;
+        self.wait()?;
+        self.context.pipelines().insert(variant.clone(), self.pipelines[variant].clone());
+        Ok(())
     }
 
     pub(super) fn context(&self) -> &'a Context {

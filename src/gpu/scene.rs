@@ -21,6 +21,8 @@ pub struct SceneData {
     pub shading: Vec<[u32; 4]>,
     /// Materials, then the alias table.
     pub tables: Vec<[u32; 4]>,
+    /// Centre and radius of what becomes the unit sphere.
+    sphere: (Vec3, f32),
 }
 
 const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
@@ -61,10 +63,27 @@ impl SceneData {
         let (weights, emitters) = light_weights(scene, &accel.order, &corners);
         tables.extend(alias_table(&weights, &emitters));
 
+        let uniform = SceneUniform {
+            sky: scene.sky.unwrap_or(Vec3::ZERO).into(),
+            light_count: emitters.len() as u32,
+            light_weight: weights.iter().sum::<f64>() as f32,
+            lights_offset,
+            triangle_count: corners.len() as u32,
+            ..Default::default()
+        };
+        let mut data = Self { uniform, nodes: accel.nodes, triangles, shading, tables, sphere: (centre, radius) };
+        data.aim(camera, width, height);
+        Ok(data)
+    }
+
+    /// Lets another camera see the scene, or a film of another size in pixels.
+    pub fn aim(&mut self, camera: &Camera, width: u32, height: u32) {
+        let (centre, radius) = self.sphere;
+        let eye: Vec3 = camera.world_from_camera.translation.into();
         let pixels_per_unit = 0.5 * height as f32 / (0.5 * camera.vertical_fov).tan();
         let world_from_camera = camera.world_from_camera.matrix3;
-        let uniform = SceneUniform {
-            camera_position: normalised(camera.world_from_camera.translation.into()).into(),
+        self.uniform = SceneUniform {
+            camera_position: ((DVec3::from(eye) - DVec3::from(centre)) / f64::from(radius)).as_vec3().into(),
             pixel_area: 1.0 / (pixels_per_unit * pixels_per_unit),
             camera_right: Vec3::from(world_from_camera.x_axis).normalize().into(),
             film_width: width as f32,
@@ -72,14 +91,8 @@ impl SceneData {
             film_height: height as f32,
             camera_back: Vec3::from(world_from_camera.z_axis).normalize().into(),
             pixels_per_unit,
-            sky: scene.sky.unwrap_or(Vec3::ZERO).into(),
-            light_count: emitters.len() as u32,
-            light_weight: weights.iter().sum::<f64>() as f32,
-            lights_offset,
-            triangle_count: corners.len() as u32,
-            padding: 0,
+            ..self.uniform
         };
-        Ok(Self { uniform, nodes: accel.nodes, triangles, shading, tables })
     }
 
     /// As little as can be bound: for dispatches of nothing.
@@ -90,6 +103,7 @@ impl SceneData {
             triangles: vec![[0.0; 4]],
             shading: vec![[0; 4]],
             tables: vec![[0; 4]],
+            sphere: (Vec3::ZERO, 1.0),
         }
     }
 }

@@ -1,17 +1,22 @@
 //! `mlt` and `emlt`: chains in path space, as mixes of kernels over the same sweeps.
 
-use std::time::Instant;
+use std::mem;
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
-use super::{Budget, Direct, Method, Observer, Outcome, Settings};
-use crate::ensemble::bootstrap::{self, BATCH, Start};
+use super::session::{Part, Stage};
+use super::{Budget, Direct, Method, Outcome, Settings};
+use crate::ensemble::bootstrap::{self, BATCH, Bootstrap, Start, Starting};
 use crate::ensemble::mix::Mix;
 use crate::ensemble::strategies::INDIRECT_EDGES;
 use crate::ensemble::sweep::{Build, Ensemble, list_words};
 use crate::film::{Channel, Image};
 use crate::gpu::context::Context;
 use crate::gpu::layout::{COUNTER_WORDS, FILM_SCALE, chain_rows};
+use crate::gpu::pipelines::{Built, Compilation};
 use crate::gpu::run::{Buffer, Run, Sizes};
-use crate::gpu::scene::SceneData;
+use crate::gpu::scene::GpuScene;
 use crate::kernels::{
     Kernel, bidirectional, caustic, guided_bidirectional, guided_lens, independence, lens, multi_chain,
 };
@@ -34,55 +39,64 @@ pub fn default_mix(method: Method) -> Vec<(&'static Kernel, f64)> {
     weights
 }
 
-pub(super) fn render(
-    context: &Context,
-    features: Features,
-    data: &SceneData,
-    settings: &Settings,
-    observer: &mut dyn Observer,
-    mut statistics: Statistics,
-) -> crate::Result<Outcome> {
-    settings.guidance.check()?;
-    let pixels = u64::from(settings.width) * u64::from(settings.height);
-    let channels = if settings.maps { 5 } else { 3 };
-    let weights = settings.kernels.clone().unwrap_or_else(|| default_mix(settings.method));
-    let mix = Mix::new(&weights, features);
-    let min_edges = if settings.direct == Direct::Pt { INDIRECT_EDGES } else { 1 };
-    let build = Build {
-        features,
-        min_edges,
-        max_edges: settings.max_depth,
-        maps: settings.maps,
-        two_stage: settings.two_stage.is_some(),
-        guidance: settings.guidance,
-        seed: settings.seed,
-        paths: settings.ensemble,
-    };
-    let film_bytes = 8 * channels * pixels;
-    let mut run = Run::new(
-        context,
-        data,
-        Sizes {
+/// Chains at work.
+pub(super) struct Chains<'a> {
+    run: Run<'a>,
+    settings: Settings,
+    build: Build,
+    mix: Mix,
+    start: Start,
+    phase: Phase,
+    /// The kernels' pipelines are built while the start is made; it needs but one.
+    kernels: Option<JoinHandle<crate::Result<Built>>>,
+    /// Dispatches of perturbations in a step that has a time limit; follows the clock.
+    dispatches_per_step: usize,
+    /// Times and notes; what the ensemble counts is asked of it.
+    statistics: Statistics,
+}
+
+/// What a step works at.
+enum Phase {
+    /// Nothing is built before the first step.
+    Fresh,
+    /// The start's pipeline compiles.
+    Preparing(Compilation),
+    Seeding(Box<Starting>),
+    /// The kernels' pipelines compile.
+    Compiling(Compilation, Box<Bootstrap>),
+    Rendering(Box<Ensemble>),
+    /// There is no light for the chains to carry.
+    Dark,
+}
+
+impl<'a> Chains<'a> {
+    pub(super) fn new(
+        context: &'a Context,
+        scene: Arc<GpuScene>,
+        features: Features,
+        settings: &Settings,
+    ) -> crate::Result<Self> {
+        settings.guidance.check()?;
+        let weights = settings.kernels.clone().unwrap_or_else(|| default_mix(settings.method));
+        let mix = Mix::new(&weights, features);
+        let min_edges = if settings.direct == Direct::Pt { INDIRECT_EDGES } else { 1 };
+        let build = Build {
+            features,
+            min_edges,
+            max_edges: settings.max_depth,
+            maps: settings.maps,
+            two_stage: settings.two_stage.is_some(),
+            guidance: settings.guidance,
+            seed: settings.seed,
+            paths: settings.ensemble,
+        };
+        let sizes = Sizes {
             chains: 16 * chain_rows(settings.max_depth) as u64 * u64::from(settings.ensemble),
             lists: 4 * list_words(settings.ensemble, BATCH),
-            output: film_bytes.max(16 * u64::from(BATCH)),
+            output: film_bytes(settings).max(16 * u64::from(BATCH)),
             counters: 4 * (COUNTER_WORDS * mix.kernels().len()) as u64,
-        },
-    )?;
-
-    // The kernels' pipelines are built while the start is made; it needs but one.
-    let builder = run.builder();
-    let variants = build.variants(&mix);
-    let (bootstrap, built) = std::thread::scope(|scope| -> crate::Result<_> {
-        let built = scope.spawn(|| builder.build_all(&variants));
-        observer.stage("compiling shaders");
-        let start = Instant::now();
-        run.compile(&[bootstrap::variant(features, min_edges, settings.max_depth)])?;
-        statistics.compile_s = start.elapsed().as_secs_f64();
-
-        observer.stage("seeding");
-        let start = Instant::now();
-        let bootstrap = Start {
+        };
+        let start = Start {
             features,
             min_edges,
             max_edges: settings.max_depth,
@@ -91,74 +105,206 @@ pub(super) fn render(
             paths: settings.ensemble,
             stride: settings.ensemble,
             film: [settings.width, settings.height],
-            observer,
-        }
-        .run(&mut run)?;
-        statistics.seeding_s = start.elapsed().as_secs_f64();
-        Ok((bootstrap, built.join().expect("building pipelines does not panic")?))
-    })?;
-    let Some(bootstrap) = bootstrap else {
-        if settings.direct == Direct::Mcmc {
-            return Err(crate::Error::input(
-                "no light reaches the camera: turn the camera, add a light, or allow longer paths with --max-depth",
+        };
+        Ok(Self {
+            run: Run::over(context, scene, sizes)?,
+            settings: settings.clone(),
+            build,
+            mix,
+            start,
+            phase: Phase::Fresh,
+            kernels: None,
+            dispatches_per_step: 1,
+            statistics: Statistics::default(),
+        })
+    }
+
+    fn pixels(&self) -> u64 {
+        u64::from(self.settings.width) * u64::from(self.settings.height)
+    }
+
+    /// Has pipelines built: those of the kernels on a thread of their own.
+    fn prepare(&mut self) -> crate::Result<Phase> {
+        let Start { features, min_edges, max_edges, .. } = self.start;
+        let kernels = self.run.missing(&self.build.variants(&self.mix));
+        let builder = self.run.builder();
+        self.kernels = Some(std::thread::spawn(move || builder.build_all(&kernels)));
+        let first = self.run.missing(&[bootstrap::variant(features, min_edges, max_edges)]);
+        let built = self.run.builder().build_all(&first)?;
+        Ok(Phase::Preparing(self.run.adopt(built)))
+    }
+
+    /// From the candidates to start paths, or into the dark.
+    fn seeded(&mut self, starting: Starting) -> crate::Result<Phase> {
+        let Some(bootstrap) = self.start.finish(&mut self.run, starting)? else {
+            if self.settings.direct == Direct::Mcmc {
+                return Err(crate::Error::input(
+                    "no light reaches the camera: turn the camera, add a light, or allow longer paths with --max-depth",
+                ));
+            }
+            self.statistics
+                .notes
+                .push("no path of 3 edges or more was found to carry light: all of it is direct".into());
+            return Ok(Phase::Dark);
+        };
+        if bootstrap.largest_share > 0.01 {
+            self.statistics.notes.push(format!(
+                "one start candidate holds {:.1} % of all light: b and the start are uncertain, compare several seeds",
+                100.0 * bootstrap.largest_share
             ));
         }
-        statistics.notes.push("no path of 3 edges or more was found to carry light: all of it is direct".into());
-        return Ok(black(settings, statistics));
-    };
-    if bootstrap.largest_share > 0.01 {
-        statistics.notes.push(format!(
-            "one start candidate holds {:.1} % of all light: b and the start are uncertain, compare several seeds",
-            100.0 * bootstrap.largest_share
-        ));
-    }
-    observer.stage("compiling shaders");
-    let start = Instant::now();
-    run.adopt(built)?;
-    statistics.compile_s += start.elapsed().as_secs_f64();
-    run.clear(Buffer::Output);
-    run.clear(Buffer::Counters);
-    let mut ensemble = Ensemble::new(&mut run, build, mix, bootstrap)?;
-
-    observer.stage("rendering");
-    let start = Instant::now();
-    run.device_time = Default::default();
-    loop {
-        let share = match settings.budget {
-            Budget::SamplesPerPixel(n) => ensemble.mutations() as f64 / (f64::from(n) * pixels as f64),
-            Budget::Seconds(s) => start.elapsed().as_secs_f64() / s,
+        let built = match self.kernels.take() {
+            Some(thread) => thread.join().expect("building pipelines does not panic")?,
+            None => Built::new(),
         };
-        observer.progress(share.min(1.0));
-        if ensemble.mutations() > 0 {
-            if observer.stop_requested() {
-                statistics.interrupted = true;
-                break;
-            }
-            if share >= 1.0 {
-                break;
+        Ok(Phase::Compiling(self.run.adopt(built), Box::new(bootstrap)))
+    }
+
+    /// From the start paths to chains that move.
+    fn started(&mut self, bootstrap: Bootstrap) -> crate::Result<Phase> {
+        self.run.clear(Buffer::Output);
+        self.run.clear(Buffer::Counters);
+        let ensemble = Ensemble::new(&mut self.run, self.build, self.mix.clone(), bootstrap)?;
+        self.run.device_time = Duration::ZERO;
+        Ok(Phase::Rendering(Box::new(ensemble)))
+    }
+
+    /// A part of a half-sweep, or the whole of its perturbations.
+    fn render(&mut self, limit: Option<Duration>) -> crate::Result<()> {
+        let Phase::Rendering(ensemble) = &mut self.phase else { return Ok(()) };
+        let start = Instant::now();
+        let perturbs = ensemble.perturbs();
+        ensemble.step(&mut self.run, if limit.is_some() { self.dispatches_per_step } else { usize::MAX })?;
+        if let Some(limit) = limit {
+            self.run.wait()?;
+            if perturbs {
+                let fitting = self.dispatches_per_step as f64 * limit.as_secs_f64() / start.elapsed().as_secs_f64();
+                self.dispatches_per_step = (fitting as usize).clamp(1, 2 * self.dispatches_per_step);
             }
         }
-        ensemble.half_sweep(&mut run)?;
+        self.statistics.render_s += start.elapsed().as_secs_f64();
+        Ok(())
     }
-    statistics.render_s = start.elapsed().as_secs_f64();
-    statistics.host_share = 1.0 - run.device_time.as_secs_f64() / statistics.render_s.max(1e-9);
-    statistics.samples = ensemble.mutations();
-    statistics.rays = ensemble.rays();
-    statistics.kernels = ensemble.kernel_statistics();
-    statistics.b = Some(ensemble.b());
+}
 
-    let bytes = run.read(Buffer::Output, 0..film_bytes)?;
-    let film = Film { words: bytemuck::cast_slice(&bytes), channels: channels as usize };
-    statistics.integrity =
-        Some(film.luminance(|pixel| ensemble.pixel_weight(pixel)) / ensemble.mutations() as f64 - 1.0);
-    let scale = ensemble.target() * pixels as f64 / ensemble.mutations() as f64;
-    let image = Image {
-        width: settings.width,
-        height: settings.height,
-        pixels: (0..pixels as usize).map(|p| [0, 1, 2].map(|c| (film.value(p, c) * scale) as f32)).collect(),
-    };
-    let layers = maps(settings, |pixel, channel| film.value(pixel, channel) as f32);
-    Ok(Outcome { image, channels: layers, statistics })
+impl Part for Chains<'_> {
+    fn stage(&self) -> Stage {
+        match self.phase {
+            Phase::Fresh | Phase::Preparing(_) | Phase::Compiling(..) => Stage::Compiling,
+            Phase::Seeding(_) => Stage::Seeding,
+            Phase::Rendering(_) | Phase::Dark => Stage::Rendering,
+        }
+    }
+
+    fn share(&self) -> f64 {
+        match (&self.phase, self.settings.budget) {
+            (Phase::Fresh, _) => 0.0,
+            (Phase::Preparing(compilation) | Phase::Compiling(compilation, _), _) => compilation.share(),
+            (Phase::Seeding(starting), _) => starting.share(),
+            (Phase::Rendering(ensemble), Budget::SamplesPerPixel(n)) => {
+                ensemble.mutations() as f64 / (f64::from(n) * self.pixels() as f64)
+            }
+            (Phase::Rendering(_), Budget::Seconds(s)) => self.statistics.render_s / s,
+            // Nothing is left to do, ever.
+            (Phase::Dark, _) => f64::INFINITY,
+        }
+    }
+
+    fn has_image(&self) -> bool {
+        match &self.phase {
+            Phase::Rendering(ensemble) => ensemble.mutations() > 0,
+            Phase::Dark => true,
+            _ => false,
+        }
+    }
+
+    fn is_whole(&self) -> bool {
+        match &self.phase {
+            Phase::Rendering(ensemble) => ensemble.is_whole(),
+            Phase::Dark => true,
+            _ => false,
+        }
+    }
+
+    fn samples(&self) -> u64 {
+        if let Phase::Rendering(ensemble) = &self.phase { ensemble.mutations() } else { 0 }
+    }
+
+    fn advance(&mut self, limit: Option<Duration>) -> crate::Result<()> {
+        let start = Instant::now();
+        match &mut self.phase {
+            Phase::Fresh => {
+                self.phase = self.prepare()?;
+                self.statistics.compile_s += start.elapsed().as_secs_f64();
+            }
+            Phase::Preparing(compilation) => {
+                if !compilation.step(&mut self.run)? {
+                    self.phase = Phase::Seeding(Box::new(self.start.begin(&self.run)));
+                }
+                self.statistics.compile_s += start.elapsed().as_secs_f64();
+            }
+            Phase::Seeding(starting) => {
+                if !self.start.step(&mut self.run, starting)? {
+                    let Phase::Seeding(starting) = mem::replace(&mut self.phase, Phase::Dark) else { unreachable!() };
+                    self.phase = self.seeded(*starting)?;
+                }
+                self.statistics.seeding_s += start.elapsed().as_secs_f64();
+            }
+            Phase::Compiling(compilation, _) => {
+                if !compilation.step(&mut self.run)? {
+                    let Phase::Compiling(_, bootstrap) = mem::replace(&mut self.phase, Phase::Dark) else {
+                        unreachable!()
+                    };
+                    self.phase = self.started(*bootstrap)?;
+                }
+                self.statistics.compile_s += start.elapsed().as_secs_f64();
+            }
+            Phase::Rendering(_) => self.render(limit)?,
+            Phase::Dark => {}
+        }
+        Ok(())
+    }
+
+    fn statistics(&self) -> Statistics {
+        let mut statistics = self.statistics.clone();
+        if let Phase::Rendering(ensemble) = &self.phase {
+            statistics.host_share = 1.0 - self.run.device_time.as_secs_f64() / statistics.render_s.max(1e-9);
+            statistics.samples = ensemble.mutations();
+            statistics.rays = ensemble.rays();
+            statistics.kernels = ensemble.kernel_statistics();
+            statistics.b = Some(ensemble.b());
+        }
+        statistics
+    }
+
+    fn snapshot(&mut self) -> crate::Result<Outcome> {
+        let mut statistics = self.statistics();
+        let Phase::Rendering(ensemble) = &self.phase else { return Ok(black(&self.settings, statistics)) };
+        let device_time = self.run.device_time;
+        let bytes = self.run.read(Buffer::Output, 0..film_bytes(&self.settings))?;
+        self.run.device_time = device_time;
+        let film = Film { words: bytemuck::cast_slice(&bytes), channels: channels(&self.settings) };
+        let mutations = ensemble.mutations().max(1) as f64;
+        statistics.integrity = Some(film.luminance(|pixel| ensemble.pixel_weight(pixel)) / mutations - 1.0);
+        let pixels = self.pixels();
+        let scale = ensemble.target() * pixels as f64 / mutations;
+        let image = Image {
+            width: self.settings.width,
+            height: self.settings.height,
+            pixels: (0..pixels as usize).map(|p| [0, 1, 2].map(|c| (film.value(p, c) * scale) as f32)).collect(),
+        };
+        let channels = maps(&self.settings, |pixel, channel| film.value(pixel, channel) as f32);
+        Ok(Outcome { image, channels, statistics })
+    }
+}
+
+/// Channels of the film on the device: R, G, B, and the two maps where they are asked for.
+fn channels(settings: &Settings) -> usize {
+    if settings.maps { 5 } else { 3 }
+}
+
+fn film_bytes(settings: &Settings) -> u64 {
+    8 * channels(settings) as u64 * u64::from(settings.width) * u64::from(settings.height)
 }
 
 /// The layers that were asked for, by pixel and channel of the film.

@@ -3,19 +3,20 @@
 mod chains;
 mod direct;
 mod pt;
+mod session;
 
 use std::time::Instant;
 
 use crate::ensemble::guidance::Guidance;
 use crate::film::{Channel, Image};
 use crate::gpu::context::Context;
-use crate::gpu::scene::SceneData;
 use crate::kernels::Kernel;
 pub use crate::report::observer::{Observer, Silent};
 use crate::report::statistics::Statistics;
+use crate::scene::Scene;
 use crate::scene::material::GLOSSY_AS_SPECULAR_ALPHA;
-use crate::scene::{Features, Scene};
 pub use chains::default_mix;
+pub use session::{Prepared, Session, Stage};
 
 /// Which mix of parts renders the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, clap::ValueEnum)]
@@ -56,6 +57,11 @@ pub enum Budget {
     SamplesPerPixel(u32),
     /// Wall-clock seconds of rendering, set-up not counted.
     Seconds(f64),
+}
+
+impl Budget {
+    /// Until somebody stops it.
+    pub const ENDLESS: Self = Self::SamplesPerPixel(u32::MAX);
 }
 
 /// What the user asked for.
@@ -111,7 +117,15 @@ impl Default for Settings {
     }
 }
 
-/// A finished (or interrupted) render.
+impl Settings {
+    /// Below this GGX alpha a lobe is treated as specular. Path tracing has no use for classes: its lobes stay with the
+    /// rest, under multiple importance sampling.
+    pub(crate) fn specular_threshold(&self) -> f32 {
+        if self.method == Method::Pt { 0.0 } else { self.glossy_as_specular_alpha }
+    }
+}
+
+/// A finished (or interrupted) render, or one as it stands.
 #[derive(Debug, Clone)]
 pub struct Outcome {
     pub image: Image,
@@ -125,22 +139,22 @@ pub fn render(scene: &Scene, settings: &Settings, observer: &mut dyn Observer) -
     observer.stage("setting up");
     let start = Instant::now();
     let context = Context::open(settings.device.as_deref())?;
-    let camera = scene.camera(settings.camera.as_deref())?;
-    // Path tracing has no use for classes: its lobes stay with the rest, under multiple importance sampling.
-    let threshold = if settings.method == Method::Pt { 0.0 } else { settings.glossy_as_specular_alpha };
-    let data = SceneData::with_threshold(scene, camera, settings.width, settings.height, threshold)?;
-    let features = Features::with_threshold(scene, threshold);
-    let statistics = Statistics {
-        device: context.description.clone(),
-        software_device: context.software,
-        setup_s: start.elapsed().as_secs_f64(),
-        ..Statistics::default()
-    };
-    match settings.method {
-        Method::Pt => pt::render(&context, features, &data, settings, 0, observer, statistics),
-        Method::Mlt | Method::Emlt if settings.direct == Direct::Pt => {
-            direct::render(&context, features, &data, settings, observer, statistics)
+    let prepared = Prepared::new(scene, settings)?;
+    let mut session = Session::start(&context, &prepared, settings)?;
+    drop(prepared);
+    let setup_s = start.elapsed().as_secs_f64();
+    let mut stage = None;
+    let mut interrupted = false;
+    while !session.is_done() && !interrupted {
+        if stage.replace(session.stage()) != Some(session.stage()) {
+            observer.stage(session.stage().name());
         }
-        Method::Mlt | Method::Emlt => chains::render(&context, features, &data, settings, observer, statistics),
+        session.advance(None)?;
+        observer.progress(session.share());
+        interrupted = session.has_image() && observer.stop_requested();
     }
+    let mut outcome = session.finish()?;
+    outcome.statistics.setup_s = setup_s;
+    outcome.statistics.interrupted = interrupted;
+    Ok(outcome)
 }

@@ -1,108 +1,196 @@
 //! `pt`: path tracing, one sample of every pixel a pass.
 
-use std::time::Instant;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
-use super::{Budget, Method, Observer, Outcome, Settings};
+use super::session::{Part, Stage};
+use super::{Budget, Outcome, Settings};
 use crate::film::{Channel, Image};
 use crate::gpu::context::Context;
 use crate::gpu::layout::{COUNTER_NON_FINITE, COUNTER_RAYS, COUNTER_WORDS, PassUniform};
 use crate::gpu::run::{Buffer, Dispatch, Run, Sizes};
-use crate::gpu::scene::SceneData;
+use crate::gpu::scene::GpuScene;
 use crate::gpu::shader::Variant;
 use crate::report::statistics::Statistics;
 use crate::scene::Features;
 
-/// Passes between looks at the clock and the observer.
-const PASSES_PER_SUBMISSION: u32 = 4;
+/// Passes between looks at the clock, where no step has a time limit.
+const PASSES_PER_STEP: u32 = 4;
+/// Pixels of the first step that has a time limit; later ones follow the clock.
+const FIRST_PIXELS: u32 = 8192;
 
-/// `first_pass` keys the random numbers, together with the seed: renders whose images are added take numbers of their own.
-pub(super) fn render(
-    context: &Context,
-    features: Features,
-    data: &SceneData,
-    settings: &Settings,
+/// The path tracer at work.
+pub(super) struct PathTracer<'a> {
+    run: Run<'a>,
+    variant: Variant,
+    size: [u32; 2],
+    budget: Budget,
+    seed: u32,
+    /// Keys the random numbers, together with the seed: renders whose images are added take numbers of their own.
     first_pass: u32,
-    observer: &mut dyn Observer,
-    mut statistics: Statistics,
-) -> crate::Result<Outcome> {
-    assert_eq!(settings.method, Method::Pt);
-    let pixels = settings.width as usize * settings.height as usize;
-    let counters_bytes = 4 * COUNTER_WORDS as u64;
-    let sizes = Sizes { chains: 0, lists: 0, output: 48 * pixels as u64, counters: counters_bytes };
-    let mut run = Run::new(context, data, sizes)?;
-    let variant = Variant { pass: "path_trace", features, max_edges: settings.max_depth, flags: vec![] };
+    compiled: bool,
+    /// Whole passes, and pixels of the next one that have their sample.
+    samples: u32,
+    sampled: u32,
+    pixels_per_step: u32,
+    rays: u64,
+    non_finite: u64,
+    compile_s: f64,
+    render_s: f64,
+}
 
-    observer.stage("compiling shaders");
-    let start = Instant::now();
-    run.compile(std::slice::from_ref(&variant))?;
-    statistics.compile_s = start.elapsed().as_secs_f64();
+impl<'a> PathTracer<'a> {
+    pub(super) fn new(
+        context: &'a Context,
+        scene: Arc<GpuScene>,
+        features: Features,
+        settings: &Settings,
+        first_pass: u32,
+    ) -> crate::Result<Self> {
+        let pixels = u64::from(settings.width) * u64::from(settings.height);
+        let sizes = Sizes { chains: 0, lists: 0, output: 48 * pixels, counters: 4 * COUNTER_WORDS as u64 };
+        Ok(Self {
+            run: Run::over(context, scene, sizes)?,
+            variant: Variant { pass: "path_trace", features, max_edges: settings.max_depth, flags: vec![] },
+            size: [settings.width, settings.height],
+            budget: settings.budget,
+            seed: settings.seed,
+            first_pass,
+            compiled: false,
+            samples: 0,
+            sampled: 0,
+            pixels_per_step: FIRST_PIXELS,
+            rays: 0,
+            non_finite: 0,
+            compile_s: 0.0,
+            render_s: 0.0,
+        })
+    }
 
-    observer.stage("rendering");
-    let start = Instant::now();
-    run.device_time = Default::default();
-    let mut samples = 0u32;
-    let mut non_finite = 0;
-    loop {
-        let share = match settings.budget {
-            Budget::SamplesPerPixel(n) => f64::from(samples) / f64::from(n),
-            Budget::Seconds(s) => start.elapsed().as_secs_f64() / s,
+    fn pixels(&self) -> u32 {
+        self.size[0] * self.size[1]
+    }
+
+    /// One pass over `count` pixels from the first that has no sample of it yet.
+    fn dispatch(&self, pass: u32, count: u32) -> Dispatch {
+        let uniform = PassUniform {
+            seed: self.seed,
+            pass_index: self.first_pass + pass,
+            entries: count,
+            entries_offset: self.sampled,
+            ..Default::default()
         };
-        observer.progress(share.min(1.0));
-        if samples > 0 && observer.stop_requested() {
-            statistics.interrupted = true;
-            break;
-        }
-        if samples > 0 && share >= 1.0 {
-            break;
-        }
-        let batch = match settings.budget {
-            Budget::SamplesPerPixel(n) => PASSES_PER_SUBMISSION.min(n - samples),
-            Budget::Seconds(_) => PASSES_PER_SUBMISSION.min(samples.max(1)),
+        Dispatch { variant: self.variant.clone(), uniform }
+    }
+
+    fn render(&mut self, limit: Option<Duration>) -> crate::Result<()> {
+        let start = Instant::now();
+        let rest = self.pixels() - self.sampled;
+        let count = if limit.is_some() { self.pixels_per_step.min(rest) } else { rest };
+        let passes = match self.budget {
+            _ if limit.is_some() || self.sampled > 0 => 1,
+            Budget::SamplesPerPixel(n) => PASSES_PER_STEP.min(n.saturating_sub(self.samples)).max(1),
+            Budget::Seconds(_) => PASSES_PER_STEP.min(self.samples.max(1)),
         };
-        let dispatches: Vec<Dispatch> = (0..batch)
-            .map(|i| Dispatch {
-                variant: variant.clone(),
-                uniform: PassUniform {
-                    seed: settings.seed,
-                    pass_index: first_pass + samples + i,
-                    entries: pixels as u32,
-                    ..Default::default()
-                },
-            })
-            .collect();
-        run.submit(&dispatches)?;
-        let counters = run.read(Buffer::Counters, 0..counters_bytes)?;
+        let dispatches: Vec<Dispatch> = (0..passes).map(|i| self.dispatch(self.samples + i, count)).collect();
+        self.run.submit(&dispatches)?;
+        let counters = self.run.read(Buffer::Counters, 0..4 * COUNTER_WORDS as u64)?;
         let counters: &[u32] = bytemuck::cast_slice(&counters);
-        statistics.rays += u64::from(counters[COUNTER_RAYS]);
-        non_finite += u64::from(counters[COUNTER_NON_FINITE]);
-        run.clear(Buffer::Counters);
-        samples += batch;
+        self.rays += u64::from(counters[COUNTER_RAYS]);
+        self.non_finite += u64::from(counters[COUNTER_NON_FINITE]);
+        self.run.clear(Buffer::Counters);
+        self.sampled += count;
+        if self.sampled == self.pixels() {
+            self.sampled = 0;
+            self.samples += passes;
+        }
+        if let Some(limit) = limit {
+            let fitting = f64::from(count) * limit.as_secs_f64() / start.elapsed().as_secs_f64().max(1e-6);
+            self.pixels_per_step = (fitting.min(2.0 * f64::from(count)) as u32).next_multiple_of(64).max(64);
+        }
+        self.render_s += start.elapsed().as_secs_f64();
+        Ok(())
     }
-    statistics.render_s = start.elapsed().as_secs_f64();
-    statistics.host_share = 1.0 - run.device_time.as_secs_f64() / statistics.render_s.max(1e-9);
-    if non_finite > 0 {
-        statistics.notes.push(format!("{non_finite} samples were not finite and count as black"));
-    }
-    statistics.samples = u64::from(samples) * pixels as u64;
+}
 
-    let bytes = run.read(Buffer::Output, 0..48 * pixels as u64)?;
-    let rows: &[[f32; 4]] = bytemuck::cast_slice(&bytes);
-    let n = f64::from(samples);
-    let mut image = Image { width: settings.width, height: settings.height, pixels: Vec::with_capacity(pixels) };
-    let mut variance = [const { Vec::new() }; 3];
-    for pixel in rows.chunks_exact(3) {
-        let mean = |c: usize| (f64::from(pixel[0][c]) - f64::from(pixel[1][c])) / n;
-        image.pixels.push([0, 1, 2].map(|c| mean(c) as f32));
-        for (c, channel) in variance.iter_mut().enumerate() {
-            // Variance of the mean, from the samples' own scatter.
-            let scatter = (f64::from(pixel[2][c]) / n - mean(c) * mean(c)).max(0.0);
-            channel.push((scatter / (n - 1.0).max(1.0)) as f32);
+impl Part for PathTracer<'_> {
+    fn stage(&self) -> Stage {
+        if self.compiled { Stage::Rendering } else { Stage::Compiling }
+    }
+
+    fn share(&self) -> f64 {
+        match self.budget {
+            _ if !self.compiled => 0.0,
+            Budget::SamplesPerPixel(n) => f64::from(self.samples) / f64::from(n),
+            Budget::Seconds(s) => self.render_s / s,
         }
     }
-    let channels = ["Variance.R", "Variance.G", "Variance.B"]
-        .into_iter()
-        .zip(variance)
-        .map(|(name, values)| Channel { name: name.into(), values })
-        .collect();
-    Ok(Outcome { image, channels, statistics })
+
+    fn has_image(&self) -> bool {
+        self.samples > 0
+    }
+
+    fn is_whole(&self) -> bool {
+        self.sampled == 0
+    }
+
+    fn samples(&self) -> u64 {
+        u64::from(self.samples) * u64::from(self.pixels()) + u64::from(self.sampled)
+    }
+
+    fn advance(&mut self, limit: Option<Duration>) -> crate::Result<()> {
+        if self.compiled {
+            return self.render(limit);
+        }
+        let start = Instant::now();
+        self.run.compile(std::slice::from_ref(&self.variant))?;
+        self.compiled = true;
+        self.compile_s = start.elapsed().as_secs_f64();
+        self.run.device_time = Duration::ZERO;
+        Ok(())
+    }
+
+    fn statistics(&self) -> Statistics {
+        let mut notes = Vec::new();
+        if self.non_finite > 0 {
+            notes.push(format!("{} samples were not finite and count as black", self.non_finite));
+        }
+        Statistics {
+            samples: self.samples(),
+            rays: self.rays,
+            compile_s: self.compile_s,
+            render_s: self.render_s,
+            host_share: 1.0 - self.run.device_time.as_secs_f64() / self.render_s.max(1e-9),
+            notes,
+            ..Statistics::default()
+        }
+    }
+
+    fn snapshot(&mut self) -> crate::Result<Outcome> {
+        let pixels = self.pixels() as usize;
+        let statistics = self.statistics();
+        let device_time = self.run.device_time;
+        let bytes = self.run.read(Buffer::Output, 0..48 * pixels as u64)?;
+        self.run.device_time = device_time;
+        let rows: &[[f32; 4]] = bytemuck::cast_slice(&bytes);
+        let [width, height] = self.size;
+        let mut image = Image { width, height, pixels: Vec::with_capacity(pixels) };
+        let mut variance = [const { Vec::new() }; 3];
+        for (number, pixel) in rows.chunks_exact(3).enumerate() {
+            let n = f64::from(self.samples + u32::from((number as u32) < self.sampled)).max(1.0);
+            let mean = |c: usize| (f64::from(pixel[0][c]) - f64::from(pixel[1][c])) / n;
+            image.pixels.push([0, 1, 2].map(|c| mean(c) as f32));
+            for (c, channel) in variance.iter_mut().enumerate() {
+                // Variance of the mean, from the samples' own scatter.
+                let scatter = (f64::from(pixel[2][c]) / n - mean(c) * mean(c)).max(0.0);
+                channel.push((scatter / (n - 1.0).max(1.0)) as f32);
+            }
+        }
+        let channels = ["Variance.R", "Variance.G", "Variance.B"]
+            .into_iter()
+            .zip(variance)
+            .map(|(name, values)| Channel { name: name.into(), values })
+            .collect();
+        Ok(Outcome { image, channels, statistics })
+    }
 }

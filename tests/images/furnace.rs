@@ -11,7 +11,7 @@ use emlt::gpu::context::Context;
 use emlt::gpu::layout::chain_rows;
 use emlt::gpu::run::{Run, Sizes};
 use emlt::gpu::scene::SceneData;
-use emlt::methods::{Direct, Method, Settings, Silent};
+use emlt::methods::{Direct, Method, Settings};
 use emlt::scene::Features;
 
 use super::comparison::{self, LEVEL, Power, Truth};
@@ -80,7 +80,7 @@ fn furnace_by_path_length() {
     };
     let mut run = Run::new(&context, &data, sizes).unwrap();
     let features = Features::of(&scene);
-    let mut start = Start {
+    let start = Start {
         features,
         min_edges: 1,
         max_edges: LONGEST,
@@ -89,10 +89,9 @@ fn furnace_by_path_length() {
         paths,
         stride: paths,
         film: FILM,
-        observer: &mut Silent,
     };
     let strategies = Strategies::uniform(1..=LONGEST, false);
-    let (candidates, list) = start.candidates(&mut run, &strategies, CANDIDATES, CANDIDATE_PASS, &mut 0).unwrap();
+    let (candidates, list) = start.candidates(&mut run, &strategies, CANDIDATES, CANDIDATE_PASS).unwrap();
     let mut worst = f64::INFINITY;
     for edges in 1..=LONGEST {
         let mut weights = Mean::default();

@@ -9,7 +9,7 @@ use emlt::gpu::layout::chain_rows;
 use emlt::gpu::run::{Run, Sizes};
 use emlt::gpu::scene::SceneData;
 use emlt::methods::Method::{self, Emlt, Mlt, Pt};
-use emlt::methods::{Settings, Silent};
+use emlt::methods::Settings;
 use emlt::scene::Features;
 use emlt::scene::material::GLOSSY_AS_SPECULAR_ALPHA;
 
@@ -72,8 +72,7 @@ fn b_does_not_depend_on_the_threshold() {
             };
             let mut run = Run::new(&context, &data, sizes).unwrap();
             let seed = 1 + u32::from(features.narrow);
-            let observer = &mut Silent;
-            let mut start = Start {
+            let start = Start {
                 features,
                 min_edges: 1,
                 max_edges: longest,
@@ -82,10 +81,9 @@ fn b_does_not_depend_on_the_threshold() {
                 stride: paths,
                 film: FILM,
                 two_stage: None,
-                observer,
             };
             let strategies = Strategies::uniform(1..=longest, false);
-            let (candidates, _) = start.candidates(&mut run, &strategies, COUNT, CANDIDATE_PASS, &mut 0).unwrap();
+            let (candidates, _) = start.candidates(&mut run, &strategies, COUNT, CANDIDATE_PASS).unwrap();
             let mut b = Mean::default();
             candidates.iter().for_each(|c| b.add(c.weight()));
             b

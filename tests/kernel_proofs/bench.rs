@@ -13,7 +13,6 @@ use emlt::gpu::run::{Buffer, Dispatch, Run, Sizes};
 use emlt::gpu::scene::SceneData;
 use emlt::gpu::shader::Variant;
 use emlt::kernels::Kernel;
-use emlt::methods::Silent;
 use emlt::reference::rng;
 use emlt::scene::{Features, import::import};
 
@@ -66,7 +65,7 @@ impl<'a> Bench<'a> {
             counters: 4 * COUNTER_WORDS as u64,
         };
         let mut run = Run::new(context, &data, sizes).unwrap();
-        let bootstrap = start(features, 1, &mut Silent).run(&mut run).unwrap().unwrap();
+        let bootstrap = start(features, 1).run(&mut run).unwrap().unwrap();
         let mut bench = Self { run, features, bootstrap, guides: Pool::default() };
         bench.guides = bench.pool(HALF, HALF);
         bench
@@ -193,18 +192,18 @@ impl<'a> Bench<'a> {
     /// Fresh candidates with their strategies: X_0 drawn from the bidirectional density, not resampled.
     pub fn candidates(&mut self, count: u32, seed: u32) -> (Vec<Candidate>, Vec<[u32; 2]>) {
         let strategies = self.bootstrap.strategies.clone();
-        start(self.features, seed, &mut Silent)
-            .candidates(&mut self.run, &strategies, count, emlt::ensemble::bootstrap::CANDIDATE_PASS, &mut 0)
+        start(self.features, seed)
+            .candidates(&mut self.run, &strategies, count, emlt::ensemble::bootstrap::CANDIDATE_PASS)
             .unwrap()
     }
 
     /// Puts candidates of `seed` into the first chains.
     pub fn fill(&mut self, seed: u32, strategies: &[[u32; 2]], chosen: &[u32]) {
-        start(self.features, seed, &mut Silent).fill(&mut self.run, strategies, chosen).unwrap();
+        start(self.features, seed).fill(&mut self.run, strategies, chosen).unwrap();
     }
 }
 
-fn start(features: Features, seed: u32, observer: &mut Silent) -> Start<'_> {
+fn start(features: Features, seed: u32) -> Start {
     Start {
         features,
         min_edges: 1,
@@ -214,6 +213,5 @@ fn start(features: Features, seed: u32, observer: &mut Silent) -> Start<'_> {
         paths: PATHS,
         stride: COLUMNS,
         film: FILM,
-        observer,
     }
 }

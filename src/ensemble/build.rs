@@ -1,0 +1,66 @@
+//! The pipelines of a run: what its shaders are compiled for, besides the kernel.
+
+use super::guidance::Guidance;
+use super::mix::{HALF_SWEEP, Mix};
+use super::strategies::INDIRECT_EDGES;
+use crate::gpu::layout::PassUniform;
+use crate::gpu::shader::Variant;
+use crate::scene::Features;
+
+/// What the shaders of a run are compiled for, besides the kernel.
+#[derive(Debug, Clone, Copy)]
+pub struct Build {
+    pub features: Features,
+    /// 1, or [`INDIRECT_EDGES`] where direct light is made apart.
+    pub min_edges: u32,
+    pub max_edges: u32,
+    pub maps: bool,
+    /// Whether the chains' target is I / w.
+    pub two_stage: bool,
+    pub guidance: Guidance,
+    pub seed: u32,
+    /// Paths in the ensemble, both halves.
+    pub paths: u32,
+}
+
+impl Build {
+    /// The pipeline of a pass that may splat directions.
+    pub fn variant(&self, pass: &'static str, flags: &[&'static str]) -> Variant {
+        let mut flags = flags.to_vec();
+        if !["weigh", "gather"].contains(&pass) {
+            flags.extend(self.maps.then_some("maps"));
+            flags.extend(self.two_stage.then_some("two_stage"));
+        }
+        if pass == "gather" || flags.contains(&"guided") {
+            flags.extend(self.guidance.flags());
+        }
+        // The other passes keep types, or draw lengths in range.
+        if self.min_edges == INDIRECT_EDGES && pass == "independence" {
+            flags.push("indirect");
+        }
+        Variant { pass, features: self.features, max_edges: self.max_edges, flags }
+    }
+
+    /// All pipelines of a mix.
+    pub fn variants(&self, mix: &Mix) -> Vec<Variant> {
+        let mut variants: Vec<Variant> = mix.kernels().map(|k| self.variant(k.pass, k.flags)).collect();
+        variants.push(self.variant("weigh", &[]));
+        variants.push(self.variant("rest", &[]));
+        if mix.guided() {
+            variants.push(self.variant("gather", &[]));
+        }
+        variants
+    }
+
+    /// The fields that every pass of the run has alike.
+    pub(super) fn uniform(&self) -> PassUniform {
+        self.guidance.of_run(PassUniform { seed: self.seed, stride: self.paths, ..Default::default() })
+    }
+}
+
+/// Words of the lists that a run over `paths` paths needs: dispatch lists and nodes, or a batch of candidates.
+pub fn list_words(paths: u32, bootstrap_batch: u32) -> u64 {
+    // At worst every pass has lists of its own, two words a path, and every path a node of its own.
+    let perturbation = u64::from(paths) * u64::from(HALF_SWEEP + 1);
+    perturbation.max(3 * u64::from(bootstrap_batch.max(paths)))
+}
