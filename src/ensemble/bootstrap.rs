@@ -10,9 +10,9 @@ use crate::scene::Features;
 
 /// Candidates from which b and the seeds come.
 pub const CANDIDATES: u32 = 1 << 20;
-/// Candidates from which the strategies' probabilities, and w of a two-stage target, are set before; neither b nor the
-/// start uses them again.
-const PILOT: u32 = 1 << 16;
+/// Candidates from which the strategies' probabilities, and w of a two-stage target, are set before, in each of two
+/// rounds; neither b nor the start uses them again.
+const PILOT: u32 = 1 << 15;
 /// Candidates a dispatch.
 pub const BATCH: u32 = 1 << 16;
 /// Invocations that wait for the slowest among them: the lanes of a processor's vectors. GPUs have 32 and more.
@@ -20,7 +20,7 @@ const LOCKSTEP: usize = 8;
 /// Words of `lists` a candidate takes.
 pub const LIST_WORDS: u32 = 3;
 /// Pass indices of the pilot and of the candidates: apart from those of mutations, which count up from 0.
-const PILOT_PASS: u32 = 0x8000_0000;
+const PILOT_PASSES: [u32; 2] = [0x8000_0000, 0x8000_0002];
 pub const CANDIDATE_PASS: u32 = 0x8000_0001;
 
 /// Running mean of independent samples of b, with the scatter that gives its standard error.
@@ -110,7 +110,7 @@ impl Draw {
     }
 }
 
-/// A start on its way: first the pilot's candidates, then those that count.
+/// A start on its way: first the pilots' candidates, then those that count.
 pub struct Starting {
     strategies: Strategies,
     pixel_weights: Option<PixelWeights>,
@@ -121,8 +121,13 @@ pub struct Starting {
 impl Starting {
     /// Share of the candidates that are made, in [0, 1].
     pub fn share(&self) -> f64 {
-        let before = if self.draw.pass_index == PILOT_PASS { 0 } else { PILOT as usize };
-        (before + self.draw.candidates.len()) as f64 / f64::from(PILOT + CANDIDATES)
+        let before = PILOT * self.pilots() as u32;
+        (f64::from(before) + self.draw.candidates.len() as f64) / f64::from(2 * PILOT + CANDIDATES)
+    }
+
+    /// Pilots that are done with.
+    fn pilots(&self) -> usize {
+        PILOT_PASSES.iter().position(|pass| *pass == self.draw.pass_index).unwrap_or(PILOT_PASSES.len())
     }
 
     fn is_done(&self) -> bool {
@@ -156,14 +161,15 @@ impl Start {
     /// Begins what [`Self::run`] does at once; nothing is made yet.
     pub fn begin(&self, run: &Run) -> Starting {
         let strategies = Strategies::uniform(self.min_edges..=self.max_edges, self.features.sky);
-        let draw = self.draw(run, &strategies, PILOT, PILOT_PASS);
+        let draw = self.draw(run, &strategies, PILOT, PILOT_PASSES[0]);
         Starting { strategies, pixel_weights: None, rays: 0, draw }
     }
 
     /// Makes one batch of candidates; whether more are to be made.
     pub fn step(&self, run: &mut Run, starting: &mut Starting) -> crate::Result<bool> {
         self.batch(run, &mut starting.draw)?;
-        if starting.draw.pass_index == PILOT_PASS && starting.draw.is_done() {
+        let pilots = starting.pilots();
+        if pilots < PILOT_PASSES.len() && starting.draw.is_done() {
             let Draw { list, candidates: pilot, .. } = &starting.draw;
             starting.rays += rays(pilot);
             starting.strategies = starting.strategies.adapted(
@@ -171,12 +177,16 @@ impl Start {
                     .zip(pilot)
                     .zip(waited_for(pilot))
                     .map(|((strategy, candidate), rays)| (*strategy, candidate.weight(), rays)),
+                &Strategies::uniform(self.min_edges..=self.max_edges, self.features.sky),
             );
             starting.pixel_weights = self.two_stage.map(|gamma| {
                 let splats: Vec<_> = pilot.iter().map(|candidate| (candidate.pixel, candidate.weight())).collect();
                 PixelWeights::from_pilot(self.film, gamma, &splats)
             });
-            starting.draw = self.draw(run, &starting.strategies, CANDIDATES, CANDIDATE_PASS);
+            starting.draw = match PILOT_PASSES.get(pilots + 1) {
+                Some(pass) => self.draw(run, &starting.strategies, PILOT, *pass),
+                None => self.draw(run, &starting.strategies, CANDIDATES, CANDIDATE_PASS),
+            };
         }
         Ok(!starting.is_done())
     }

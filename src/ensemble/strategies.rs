@@ -66,8 +66,9 @@ impl Strategies {
     }
 
     /// Probabilities proportional to p sqrt(E[W^2] / rays) as pilot samples (strategy, weight, rays waited for) show it: the
-    /// allocation of least variance at equal cost (Neyman 1934), with a defensive share.
-    pub fn adapted(&self, pilot: impl Iterator<Item = ([u32; 2], f64, f64)>) -> Self {
+    /// allocation of least variance at equal cost (Neyman 1934), with a defensive share spread as in `even`. Strategies
+    /// overlap, so that one adaptation is a step towards the best allocation and not yet there.
+    pub fn adapted(&self, pilot: impl Iterator<Item = ([u32; 2], f64, f64)>, even: &Self) -> Self {
         let mut sums = vec![[0.0f64; 3]; self.entries.len()];
         for (strategy, weight, rays) in pilot {
             let i = self.position(strategy);
@@ -92,7 +93,8 @@ impl Strategies {
             .entries
             .iter()
             .zip(&wanted)
-            .map(|((s, p), w)| (*s, (1.0 - DEFENSIVE_SHARE) * w / total + DEFENSIVE_SHARE * p))
+            .zip(&even.entries)
+            .map(|(((s, _), w), (_, even))| (*s, (1.0 - DEFENSIVE_SHARE) * w / total + DEFENSIVE_SHARE * even))
             .collect();
         Self::from_entries(entries)
     }
@@ -167,7 +169,7 @@ mod tests {
     fn adaptation_keeps_every_strategy_and_sums_to_one() {
         let start = Strategies::uniform(1..=6, false);
         let pilot = start.systematic(4096, 0.5).into_iter().map(|s| (s, f64::from(u8::from(s == [3, 1])), 4.0));
-        let adapted = start.adapted(pilot);
+        let adapted = start.adapted(pilot, &start);
         assert!((adapted.cumulative.last().unwrap() - 1.0).abs() < 1e-12);
         assert!(adapted.entries.iter().all(|(_, p)| *p > 0.0));
         let best = adapted.entries.iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
