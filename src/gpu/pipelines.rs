@@ -26,12 +26,16 @@ pub struct Builder {
 }
 
 impl Builder {
-    /// All at once, each on its own thread.
+    /// On threads for half of the processors: the others are at work already.
     pub fn build_all(&self, variants: &[Variant]) -> Result<Built> {
+        let threads = std::thread::available_parallelism().map_or(1, |n| n.get().div_ceil(2));
+        let share = variants.len().div_ceil(threads).max(1);
+        let build =
+            |part: &[Variant]| -> Result<Built> { part.iter().map(|v| Ok((v.clone(), self.build(v)?))).collect() };
         std::thread::scope(|scope| {
-            let threads: Vec<_> =
-                variants.iter().map(|v| scope.spawn(move || Ok((v.clone(), self.build(v)?)))).collect();
-            threads.into_iter().map(|thread| thread.join().expect("building a pipeline does not panic")).collect()
+            let threads: Vec<_> = variants.chunks(share).map(|part| scope.spawn(move || build(part))).collect();
+            let parts = threads.into_iter().map(|thread| thread.join().expect("building a pipeline does not panic"));
+            Ok(parts.collect::<Result<Vec<Built>>>()?.concat())
         })
     }
 
