@@ -2,13 +2,14 @@
 
 use super::strategies::{INDIRECT_EDGES, Strategies};
 use super::two_stage::PixelWeights;
+use super::type_shares::TypeShares;
 use crate::gpu::layout::PassUniform;
 use crate::gpu::run::{Buffer, Dispatch, Run};
 use crate::gpu::shader::Variant;
 use crate::reference::rng;
 use crate::scene::Features;
 
-/// Candidates from which b and the seeds come.
+/// Candidates from which b and the seeds come, unless told otherwise.
 pub const CANDIDATES: u32 = 1 << 20;
 /// Candidates from which the strategies' probabilities, and w of a two-stage target, are set before, in each of two
 /// rounds; neither b nor the start uses them again.
@@ -57,7 +58,13 @@ pub struct Candidate {
     pub log_weight: f32,
     pub pixel: [f32; 2],
     rays: f32,
+    /// Of a candidate that carries light.
+    key: [u32; 2],
+    padding: [u32; 2],
 }
+
+/// Bytes of the output buffer that a batch needs.
+pub const BATCH_BYTES: u64 = BATCH as u64 * size_of::<Candidate>() as u64;
 
 impl Candidate {
     /// I / density: a sample of b.
@@ -78,6 +85,8 @@ pub struct Bootstrap {
     pub rays: u64,
     /// Largest share of one candidate in what the seeds are drawn by: above 1/100 the seeds are many copies of one path.
     pub largest_share: f64,
+    /// How the target is shared among types of paths, as the candidates have it.
+    pub types: TypeShares,
 }
 
 /// The part of a run's set-up that the start needs.
@@ -89,6 +98,8 @@ pub struct Start {
     pub max_edges: u32,
     /// Exponent of a two-stage target.
     pub two_stage: Option<f64>,
+    /// Candidates that count, the pilots' not among them.
+    pub candidates: u32,
     pub seed: u32,
     /// Paths in the ensemble, both halves.
     pub paths: u32,
@@ -115,6 +126,8 @@ pub struct Starting {
     strategies: Strategies,
     pixel_weights: Option<PixelWeights>,
     rays: u64,
+    /// That count.
+    candidates: u32,
     draw: Draw,
 }
 
@@ -122,7 +135,7 @@ impl Starting {
     /// Share of the candidates that are made, in [0, 1].
     pub fn share(&self) -> f64 {
         let before = PILOT * self.pilots() as u32;
-        (f64::from(before) + self.draw.candidates.len() as f64) / f64::from(2 * PILOT + CANDIDATES)
+        (f64::from(before) + self.draw.candidates.len() as f64) / f64::from(2 * PILOT + self.candidates)
     }
 
     /// Pilots that are done with.
@@ -162,7 +175,7 @@ impl Start {
     pub fn begin(&self, run: &Run) -> Starting {
         let strategies = Strategies::uniform(self.min_edges..=self.max_edges, self.features.sky);
         let draw = self.draw(run, &strategies, PILOT, PILOT_PASSES[0]);
-        Starting { strategies, pixel_weights: None, rays: 0, draw }
+        Starting { strategies, pixel_weights: None, rays: 0, candidates: self.candidates, draw }
     }
 
     /// Makes one batch of candidates; whether more are to be made.
@@ -185,7 +198,7 @@ impl Start {
             });
             starting.draw = match PILOT_PASSES.get(pilots + 1) {
                 Some(pass) => self.draw(run, &starting.strategies, PILOT, *pass),
-                None => self.draw(run, &starting.strategies, CANDIDATES, CANDIDATE_PASS),
+                None => self.draw(run, &starting.strategies, self.candidates, CANDIDATE_PASS),
             };
         }
         Ok(!starting.is_done())
@@ -206,9 +219,10 @@ impl Start {
         let mut target = Mean::default();
         weights.iter().for_each(|w| target.add(*w));
         let largest_share = weights.iter().copied().fold(0.0, f64::max) / target.sum;
+        let types = TypeShares::of_start(candidates.iter().map(|c| c.key).zip(weights.iter().copied()));
         let chosen = self.choose(&candidates, &weights);
         self.fill(run, &list, &chosen)?;
-        Ok(Some(Bootstrap { strategies, b, target, pixel_weights, rays, largest_share }))
+        Ok(Some(Bootstrap { strategies, b, target, pixel_weights, rays, largest_share, types }))
     }
 
     /// Makes `count` candidates, with their strategies; systematic over strategies, so neighbours share one.
@@ -248,7 +262,7 @@ impl Start {
             ..Default::default()
         };
         run.submit(&[Dispatch { variant, uniform }])?;
-        let bytes = run.read(Buffer::Output, 0..16 * u64::from(entries))?;
+        let bytes = run.read(Buffer::Output, 0..size_of::<Candidate>() as u64 * u64::from(entries))?;
         draw.candidates.extend_from_slice(bytemuck::cast_slice(&bytes));
         Ok(())
     }

@@ -11,4 +11,5 @@ pub mod strategies;
 pub mod sweep;
 pub mod two_stage;
 mod type_key;
+pub mod type_shares;
 mod work;

@@ -13,6 +13,7 @@ use super::guidance::{Guidance, NORMAL_LENGTH, SIMILARITY_RADIUS};
 use super::mix::Mix;
 use super::pool::{Pool, TypeKey};
 use super::similarity::similarity_median;
+use super::type_shares::TypeShares;
 use super::work::Work;
 use crate::gpu::layout::{
     COUNTER_ACCEPTED, COUNTER_JUMP_HIGH, COUNTER_JUMP_LOW, COUNTER_NON_FINITE, COUNTER_RAYS, COUNTER_WORDS, JUMP_SCALE,
@@ -71,6 +72,7 @@ pub struct Ensemble {
     /// b and the integral of the target: their samples of the start, and every proposal of the independence kernel.
     b: Mean,
     target: Mean,
+    types: TypeShares,
 }
 
 impl Ensemble {
@@ -81,6 +83,7 @@ impl Ensemble {
             run.set_pixel_weights(weights.table());
         }
         let Bootstrap { b, target, .. } = bootstrap;
+        let types = bootstrap.types.clone();
         let tallies = vec![Tally::default(); mix.kernels().len()];
         let mut ensemble = Self {
             build,
@@ -94,6 +97,7 @@ impl Ensemble {
             rests: 0,
             b,
             target,
+            types,
         };
         for half in 0..2 {
             let rows = ensemble.read_key_rows(run, half)?;
@@ -150,6 +154,8 @@ impl Ensemble {
                 if last {
                     self.freeze(run, half)?;
                     self.tally(run)?;
+                    let pool = &self.halves[half].pool;
+                    self.types.count_chains(pool.types.iter().map(|node| (node.key, node.range.count)));
                     self.moving = 1 - half;
                     self.phase = Phase::Structural(0);
                 }
@@ -374,6 +380,11 @@ impl Ensemble {
     /// w by number of the pixel: what a mutation there counts on the film.
     pub fn pixel_weight(&self, pixel: usize) -> f64 {
         self.bootstrap.pixel_weights.as_ref().map_or(1.0, |weights| weights.of_pixel(pixel as u32))
+    }
+
+    /// How the target is shared among types of paths: by the start, and by the chains so far.
+    pub fn types(&self) -> &TypeShares {
+        &self.types
     }
 
     /// Rays of the start and of all mutations.

@@ -56,6 +56,12 @@ impl TypeKey {
         self.0
     }
 
+    /// Heckbert's string with S for any specular vertex, from the light: L S D E for a caustic.
+    pub fn string(self) -> String {
+        let interior = (1..self.edges()).map(|i| if self.is_diffuse(i) { " D" } else { " S" });
+        ["L"].into_iter().chain(interior).chain([" E"]).collect()
+    }
+
     /// The two words a shader sees, low word first.
     pub fn words(self) -> [u32; 2] {
         [self.0 as u32, (self.0 >> 32) as u32]

@@ -7,10 +7,11 @@ use std::time::{Duration, Instant};
 
 use super::session::{Part, Stage};
 use super::{Budget, Direct, Method, Outcome, Settings};
-use crate::ensemble::bootstrap::{self, BATCH, Bootstrap, Start, Starting};
+use crate::ensemble::bootstrap::{self, BATCH, BATCH_BYTES, Bootstrap, Start, Starting};
 use crate::ensemble::mix::Mix;
 use crate::ensemble::strategies::INDIRECT_EDGES;
 use crate::ensemble::sweep::{Build, Ensemble, list_words};
+use crate::ensemble::type_shares;
 use crate::film::{Channel, Image};
 use crate::gpu::context::Context;
 use crate::gpu::layout::{COUNTER_WORDS, FILM_SCALE, chain_rows};
@@ -38,6 +39,9 @@ pub fn default_mix(method: Method) -> Vec<(&'static Kernel, f64)> {
     }
     weights
 }
+
+/// Types of paths that notes speak of.
+const MOST_WARNINGS: usize = 3;
 
 /// Chains at work.
 pub(super) struct Chains<'a> {
@@ -93,7 +97,7 @@ impl<'a> Chains<'a> {
         let sizes = Sizes {
             chains: 16 * chain_rows(settings.max_depth) as u64 * u64::from(settings.ensemble),
             lists: 4 * list_words(settings.ensemble, BATCH),
-            output: film_bytes(settings).max(16 * u64::from(BATCH)),
+            output: film_bytes(settings).max(BATCH_BYTES),
             counters: 4 * (COUNTER_WORDS * mix.kernels().len()) as u64,
         };
         let start = Start {
@@ -101,6 +105,7 @@ impl<'a> Chains<'a> {
             min_edges,
             max_edges: settings.max_depth,
             two_stage: settings.two_stage,
+            candidates: settings.candidates,
             seed: settings.seed,
             paths: settings.ensemble,
             stride: settings.ensemble,
@@ -273,6 +278,8 @@ impl Part for Chains<'_> {
             statistics.rays = ensemble.rays();
             statistics.kernels = ensemble.kernel_statistics();
             statistics.b = Some(ensemble.b());
+            statistics.types = ensemble.types().statistics();
+            statistics.notes.extend(type_shares::warnings(&statistics.types).into_iter().take(MOST_WARNINGS));
         }
         statistics
     }

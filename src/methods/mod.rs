@@ -7,6 +7,7 @@ mod session;
 
 use std::time::Instant;
 
+use crate::ensemble::bootstrap::CANDIDATES;
 use crate::ensemble::guidance::Guidance;
 use crate::film::{Channel, Image};
 use crate::gpu::context::Context;
@@ -78,6 +79,8 @@ pub struct Settings {
     pub camera: Option<String>,
     /// Paths in the ensemble: both halves together.
     pub ensemble: u32,
+    /// Candidates from which the chains' start and b come (mlt, emlt).
+    pub candidates: u32,
     /// Kernels with their weights (mlt, emlt); the method's own mix without.
     pub kernels: Option<Vec<(&'static Kernel, f64)>>,
     /// How guided kernels look at the other half (emlt).
@@ -106,6 +109,7 @@ impl Default for Settings {
             max_depth: 12,
             camera: None,
             ensemble: 16384,
+            candidates: CANDIDATES,
             kernels: None,
             guidance: Guidance::default(),
             direct: Direct::Mcmc,
@@ -139,8 +143,22 @@ pub fn render(scene: &Scene, settings: &Settings, observer: &mut dyn Observer) -
     observer.stage("setting up");
     let start = Instant::now();
     let context = Context::open(settings.device.as_deref())?;
+    let opened_s = start.elapsed().as_secs_f64();
+    let mut outcome = render_on(&context, scene, settings, observer)?;
+    outcome.statistics.setup_s += opened_s;
+    Ok(outcome)
+}
+
+/// The same on an open device, which remembers its pipelines from render to render.
+pub fn render_on(
+    context: &Context,
+    scene: &Scene,
+    settings: &Settings,
+    observer: &mut dyn Observer,
+) -> crate::Result<Outcome> {
+    let start = Instant::now();
     let prepared = Prepared::new(scene, settings)?;
-    let mut session = Session::start(&context, &prepared, settings)?;
+    let mut session = Session::start(context, &prepared, settings)?;
     drop(prepared);
     let setup_s = start.elapsed().as_secs_f64();
     let mut stage = None;

@@ -1,5 +1,7 @@
 //! The figures a render ends with.
 
+use crate::ensemble::type_shares::TypeStatistics;
+
 /// One transition kernel's counts over a render.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct KernelStatistics {
@@ -28,6 +30,8 @@ pub struct Statistics {
     pub kernels: Vec<KernelStatistics>,
     /// Mean image luminance b and its standard error, without direct light that was made apart; none for pt.
     pub b: Option<(f64, f64)>,
+    /// How the light is shared among types of paths, the largest share first; empty for pt.
+    pub types: Vec<TypeStatistics>,
     /// Total splatted luminance (over w of a two-stage target) over mutations, minus one; none for pt.
     pub integrity: Option<f64>,
     /// Loading and building the scene on the device.

@@ -49,6 +49,19 @@ impl Display for Summary<'_> {
             let part = if s.direct_samples > 0 { ", direct light not counted" } else { "" };
             row("b", format!("{b:.6} +- {:.2} %{part}", 100.0 * standard_error / b))?;
         }
+        if let Some(worst) =
+            s.types.iter().filter(|t| t.start.max(t.chains) >= 1e-3).max_by(|a, b| a.z().abs().total_cmp(&b.z().abs()))
+        {
+            let counted = s.types.iter().filter(|t| t.start.max(t.chains) >= 1e-3).count();
+            let z = worst.z().abs();
+            row(
+                "types",
+                format!(
+                    "{counted} hold 0.1 % of the light or more; chains and start differ by {z:.1} standard errors at most ({})",
+                    worst.name
+                ),
+            )?;
+        }
         if let Some(integrity) = s.integrity {
             row("integrity", format!("{integrity:+.1e} (splatted luminance over mutations, minus 1)"))?;
         }
@@ -134,6 +147,7 @@ fn grouped(number: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ensemble::type_shares::TypeStatistics;
 
     fn kernel(name: &str, accepted: u64, non_finite: u64) -> KernelStatistics {
         let name = name.into();
@@ -163,6 +177,14 @@ mod tests {
             rays: 120_000_000,
             kernels: vec![kernel("bidirectional", 1_000_000, 0), kernel("lens", 4_200_000, 3)],
             b: Some((0.25, 0.001)),
+            types: vec![TypeStatistics {
+                name: "L S D E".into(),
+                start: 0.04,
+                start_error: 0.004,
+                candidates: 400,
+                chains: 0.034,
+                chains_error: 0.003,
+            }],
             integrity: Some(-2.5e-7),
             setup_s: 0.1,
             compile_s: 3.25,
@@ -186,6 +208,7 @@ mutations   20,000,000 (62.50 per pixel), 0.500 million per second
 direct      5,000,000 samples of the path tracer (15.62 per pixel)
 rays        120,000,000, 2.892 million per second
 b           0.250000 +- 0.40 %, direct light not counted
+types       1 hold 0.1 % of the light or more; chains and start differ by 1.2 standard errors at most (L S D E)
 integrity   -2.5e-7 (splatted luminance over mutations, minus 1)
 non-finite  proposals, all rejected: 3 in lens
 host        1.2 % of the rendering time

@@ -3,7 +3,7 @@
 //! A path of k edges that ends on a wall carries e rho^(k - 1), whatever the room's shape. So with at most k edges every
 //! pixel is e (1 - rho^k) / (1 - rho) (METHOD.md 4.5, F1).
 
-use emlt::ensemble::bootstrap::{BATCH, CANDIDATE_PASS, CANDIDATES, Mean, Start};
+use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, CANDIDATE_PASS, CANDIDATES, Mean, Start};
 use emlt::ensemble::strategies::Strategies;
 use emlt::ensemble::sweep::list_words;
 use emlt::film::Image;
@@ -75,7 +75,7 @@ fn furnace_by_path_length() {
     let sizes = Sizes {
         chains: 16 * chain_rows(LONGEST) as u64 * u64::from(paths),
         lists: 4 * list_words(paths, BATCH),
-        output: 16 * u64::from(BATCH),
+        output: BATCH_BYTES,
         counters: 256,
     };
     let mut run = Run::new(&context, &data, sizes).unwrap();
@@ -85,6 +85,7 @@ fn furnace_by_path_length() {
         min_edges: 1,
         max_edges: LONGEST,
         two_stage: None,
+        candidates: CANDIDATES,
         seed: 1,
         paths,
         stride: paths,

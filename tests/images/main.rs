@@ -16,3 +16,4 @@ mod sphere;
 mod student;
 mod threshold;
 mod tiles;
+mod types;

@@ -11,6 +11,7 @@
 
 use std::path::Path;
 
+use emlt::ensemble::bootstrap::CANDIDATES;
 use emlt::film::exr;
 use emlt::methods::Method::{self, Emlt, Mlt, Pt};
 use emlt::methods::Settings;
@@ -47,7 +48,12 @@ pub fn settings_for(truth: &Truth, method: Method, max_depth: u32, samples_per_p
 #[track_caller]
 fn compare(name: &str, path: &str, max_depth: u32, method: Method, [spp, count]: [u32; 2], power: Power) {
     let truth = reference(name);
-    let images = replicates(&scene(path), &settings_for(&truth, method, max_depth, spp), count);
+    let mut settings = settings_for(&truth, method, max_depth, spp);
+    if ["shards_4_edges", "rough_glass"].contains(&name) {
+        // Rare paths hold per cents of the light there, and b's noise would hide what the test is to see.
+        settings.candidates = CANDIDATES;
+    }
+    let images = replicates(&scene(path), &settings, count);
     check(&format!("{name} {}", method.name()), &images, &truth, power);
 }
 

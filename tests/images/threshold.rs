@@ -1,6 +1,6 @@
 //! The roughness below which lobes are treated as specular (METHOD.md 2.7) is a matter of noise: results are the same.
 
-use emlt::ensemble::bootstrap::{BATCH, CANDIDATE_PASS, Mean, Start};
+use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, CANDIDATE_PASS, CANDIDATES, Mean, Start};
 use emlt::ensemble::strategies::Strategies;
 use emlt::ensemble::sweep::list_words;
 use emlt::film::Image;
@@ -67,7 +67,7 @@ fn b_does_not_depend_on_the_threshold() {
             let sizes = Sizes {
                 chains: 16 * chain_rows(longest) as u64 * u64::from(paths),
                 lists: 4 * list_words(paths, BATCH),
-                output: 16 * u64::from(BATCH),
+                output: BATCH_BYTES,
                 counters: 256,
             };
             let mut run = Run::new(&context, &data, sizes).unwrap();
@@ -81,6 +81,7 @@ fn b_does_not_depend_on_the_threshold() {
                 stride: paths,
                 film: FILM,
                 two_stage: None,
+                candidates: CANDIDATES,
             };
             let strategies = Strategies::uniform(1..=longest, false);
             let (candidates, _) = start.candidates(&mut run, &strategies, COUNT, CANDIDATE_PASS).unwrap();

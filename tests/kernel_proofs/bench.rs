@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use emlt::ensemble::bootstrap::{BATCH, Bootstrap, Candidate, Start};
+use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, Bootstrap, CANDIDATES, Candidate, Start};
 use emlt::ensemble::cuts::CutList;
 use emlt::ensemble::guidance::Guidance;
 use emlt::ensemble::pool::{Pool, TypeKey};
@@ -61,7 +61,7 @@ impl<'a> Bench<'a> {
         let sizes = Sizes {
             chains: 16 * chain_rows(MAX_EDGES) as u64 * u64::from(COLUMNS),
             lists: 4 * list_words(PATHS, BATCH),
-            output: 16 * u64::from(PATHS),
+            output: BATCH_BYTES.max(16 * u64::from(PATHS)),
             counters: 4 * COUNTER_WORDS as u64,
         };
         let mut run = Run::new(context, &data, sizes).unwrap();
@@ -209,6 +209,7 @@ fn start(features: Features, seed: u32) -> Start {
         min_edges: 1,
         max_edges: MAX_EDGES,
         two_stage: None,
+        candidates: CANDIDATES,
         seed,
         paths: PATHS,
         stride: COLUMNS,
