@@ -231,7 +231,7 @@ mod tests {
         }
         let list = shares.statistics();
         let draw = (0.25f64 / 8.0).sqrt();
-        assert!((list[0].chains - 0.5).abs() < 1e-12 && (list[0].chains_error - draw).abs() < 1e-12, "{list:?}");
+        assert!((list[1].chains - 0.5).abs() < 1e-12 && (list[1].chains_error - draw).abs() < 1e-12, "{list:?}");
         // From single half-sweeps the error is that of fair coins.
         let mut few = TypeShares { length: 1, ..Default::default() };
         for n in 0..8u32 {
