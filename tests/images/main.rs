@@ -8,6 +8,7 @@ mod calibration;
 mod comparison;
 mod furnace;
 mod glass_furnace;
+mod invariance;
 mod mitsuba;
 mod options;
 mod renders;

@@ -41,9 +41,10 @@ pub fn render(scene: &Scene, settings: &Settings) -> Outcome {
     outcome
 }
 
-/// Independent renders, with the seeds from 1 to `count`.
+/// Independent renders, with `count` seeds from that of `settings` on.
 pub fn replicates(scene: &Scene, settings: &Settings, count: u32) -> Vec<Image> {
-    (1..=count).map(|seed| render(scene, &Settings { seed, ..settings.clone() }).image).collect()
+    let seeds = settings.seed..settings.seed + count;
+    seeds.map(|seed| render(scene, &Settings { seed, ..settings.clone() }).image).collect()
 }
 
 /// `image` with every pixel (x, y) passed through `change`.
