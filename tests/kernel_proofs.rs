@@ -70,7 +70,7 @@ const WEIGH: Kernel = Kernel {
 fn asymmetric_share(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], guides: Guides) -> (f64, usize) {
     let (mut bad, mut all) = (0usize, 0usize);
     let mut pass = 1;
-    bench.refresh();
+    bench.fill_with(kernel);
     while all < 1_000_000 {
         let (uniform, paths) = bench.list(kernel, HALF, guides);
         bench.keep_origins();

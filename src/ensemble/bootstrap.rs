@@ -1,5 +1,6 @@
 //! The start: b and the seeds, from bidirectional candidates (METHOD.md 1.2, 1.3).
 
+use super::pool::TypeKey;
 use super::strategies::{INDIRECT_EDGES, Strategies};
 use super::two_stage::PixelWeights;
 use super::type_shares::TypeShares;
@@ -67,6 +68,11 @@ pub struct Candidate {
 pub const BATCH_BYTES: u64 = BATCH as u64 * size_of::<Candidate>() as u64;
 
 impl Candidate {
+    /// Type of a candidate that carries light.
+    pub fn key(&self) -> Option<TypeKey> {
+        TypeKey::from_words(self.key)
+    }
+
     /// I / density: a sample of b.
     pub fn weight(&self) -> f64 {
         let w = f64::from(self.log_weight).exp();

@@ -197,6 +197,18 @@ impl<'a> Bench<'a> {
             .unwrap()
     }
 
+    /// Fills the first half with candidates that `kernel` applies to, over and over.
+    pub fn fill_with(&mut self, kernel: &Kernel) {
+        const SEED: u32 = 3001;
+        let features = self.features;
+        let (candidates, strategies) = self.candidates(1 << 17, SEED);
+        let applies = |c: &Candidate| c.weight() > 0.0 && c.key().is_some_and(|key| (kernel.applies)(key, features));
+        let chosen: Vec<u32> = (0..candidates.len() as u32).filter(|i| applies(&candidates[*i as usize])).collect();
+        assert!(chosen.len() >= 300, "{} applies to {} candidates", kernel.name, chosen.len());
+        let chosen: Vec<u32> = chosen.iter().copied().cycle().take(HALF as usize).collect();
+        self.fill(SEED, &strategies, &chosen);
+    }
+
     /// Puts candidates of `seed` into the first chains.
     pub fn fill(&mut self, seed: u32, strategies: &[[u32; 2]], chosen: &[u32]) {
         start(self.features, seed).fill(&mut self.run, strategies, chosen).unwrap();
