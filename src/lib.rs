@@ -11,6 +11,7 @@
 //! - `panics`: what guards against panics in code that is not ours
 //! - [`report`]: progress while it runs, statistics at the end, metadata in the file
 //! - [`reference`]: host twins of shader functions, for tests
+//! - `viewer`: the interactive window, a cargo feature
 //! - [`cli`]: the commands
 
 pub mod accel;
@@ -25,5 +26,7 @@ mod panics;
 pub mod reference;
 pub mod report;
 pub mod scene;
+#[cfg(feature = "viewer")]
+pub mod viewer;
 
 pub use error::{Error, Result};

@@ -5,7 +5,10 @@
 
 mod devices;
 mod info;
+mod options;
 mod render;
+#[cfg(feature = "viewer")]
+mod view;
 
 use std::env;
 use std::io::{self, Write};
@@ -30,6 +33,8 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(render::Arguments),
+    #[cfg(feature = "viewer")]
+    View(view::Arguments),
     Info(info::Arguments),
     Devices(devices::Arguments),
 }
@@ -41,6 +46,8 @@ pub fn main() -> ExitCode {
     let done = match Cli::try_parse() {
         Ok(cli) => match cli.command {
             Command::Render(arguments) => render::run(&arguments),
+            #[cfg(feature = "viewer")]
+            Command::View(arguments) => view::run(&arguments),
             Command::Info(arguments) => info::run(&arguments),
             Command::Devices(arguments) => devices::run(&arguments),
         },

@@ -32,7 +32,8 @@ pub fn srgb_byte(linear: f32) -> u8 {
     (255.0 * encoded + 0.5) as u8
 }
 
-fn direction_color(horizontal: f32, vertical: f32) -> [u8; 3] {
+/// The colour of a pixel in that picture.
+pub fn direction_color(horizontal: f32, vertical: f32) -> [u8; 3] {
     let most = horizontal.max(vertical);
     if !(most > 0.0 && most.is_finite()) {
         return [0, 0, 0];

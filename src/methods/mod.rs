@@ -14,8 +14,8 @@ use crate::gpu::context::Context;
 use crate::kernels::Kernel;
 pub use crate::report::observer::{Observer, Silent};
 use crate::report::statistics::Statistics;
-use crate::scene::Scene;
 use crate::scene::material::GLOSSY_AS_SPECULAR_ALPHA;
+use crate::scene::{Camera, Scene};
 pub use chains::default_mix;
 pub use session::{Prepared, Session, Stage};
 
@@ -38,6 +38,20 @@ impl Method {
             Self::Mlt => "mlt",
             Self::Pt => "pt",
         }
+    }
+}
+
+/// Image height where nobody asks for a size and the camera has an aspect of its own.
+const DEFAULT_HEIGHT: u32 = 480;
+
+/// The most pixels on a side that are accepted; the device may allow fewer.
+pub const MAX_SIDE: u32 = 16384;
+
+/// Width and height in pixels where nobody asks for a size.
+pub fn default_size(camera: &Camera) -> (u32, u32) {
+    match camera.aspect {
+        Some(a) => (((a * DEFAULT_HEIGHT as f32).round() as u32).clamp(1, MAX_SIDE), DEFAULT_HEIGHT),
+        None => (Settings::default().width, Settings::default().height),
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub mod metadata;
 pub mod observer;
+pub mod outputs;
 pub mod progress;
 pub mod statistics;
 pub mod summary;

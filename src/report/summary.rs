@@ -123,7 +123,8 @@ fn non_finite(kernels: &[KernelStatistics]) -> String {
     format!("proposals, all rejected: {}", guilty.join(", "))
 }
 
-fn million_per_second(count: u64, seconds: f64) -> String {
+/// A rate in words.
+pub fn million_per_second(count: u64, seconds: f64) -> String {
     if seconds > 0.0 {
         format!("{:.3} million per second", count as f64 / seconds / 1e6)
     } else {
@@ -132,7 +133,7 @@ fn million_per_second(count: u64, seconds: f64) -> String {
 }
 
 /// With a comma between thousands.
-fn grouped(number: u64) -> String {
+pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (i, digit) in digits.chars().enumerate() {

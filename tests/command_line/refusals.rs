@@ -141,3 +141,36 @@ fn an_unknown_device() {
     let arguments = ["render", "scene.gltf", "--size", "8x8", "--spp", "1", "--device", "abacus"];
     place.refuses(&arguments, 2, "abacus");
 }
+
+/// Neither where none is named nor where the named one does not answer.
+#[cfg(all(feature = "viewer", target_os = "linux"))]
+#[test]
+fn a_window_without_a_display() {
+    let place = Place::new();
+    for display in ["", ":9876"] {
+        let mut command = place.command(&["view", "scene.gltf"]);
+        command.env("DISPLAY", display);
+        for variable in ["WAYLAND_DISPLAY", "WAYLAND_SOCKET", "XDG_RUNTIME_DIR"] {
+            command.env_remove(variable);
+        }
+        check_failure(&command.output().unwrap(), 1, "emlt render");
+    }
+}
+
+#[cfg(feature = "viewer")]
+#[test]
+fn a_window_for_what_cannot_be_rendered() {
+    let place = Place::new();
+    for (flags, words) in [
+        (&["absent.glb"][..], "absent.glb"),
+        (&["scene.gltf", "--device", "abacus"], "abacus"),
+        (&["scene.gltf", "--camera", "Nobody's"], "choose one of Main"),
+        (&["scene.gltf", "--kernels", "lens"], "NAME=WEIGHT"),
+        (&["scene.gltf", "--look-from", "0,0,0"], "--look-at"),
+        (&["scene.gltf", "--reference", "scene.gltf"], "EXR"),
+    ] {
+        // A display that is never asked for anything.
+        let output = place.command(&[&["view"], flags].concat()).env("DISPLAY", ":9876").output().unwrap();
+        check_failure(&output, 2, words);
+    }
+}

@@ -1,0 +1,245 @@
+//! The options that `render` and `view` share: which scene, seen from where, rendered how.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use glam::Vec3;
+
+use crate::ensemble::guidance::{Guidance, MOST_GUIDES};
+use crate::ensemble::mix::Mix;
+use crate::methods::{Direct, MAX_SIDE, Method, Settings, default_size};
+use crate::scene::{Camera, Scene};
+use crate::{Error, Result};
+
+// No doc comment: it would become the command's description.
+#[derive(Debug, Args)]
+pub struct Options {
+    /// The scene: a glTF 2.0 file (.glb or .gltf)
+    pub scene: PathBuf,
+
+    /// How to render
+    #[arg(long, value_enum, default_value_t = Method::Emlt)]
+    pub method: Method,
+
+    /// Image size in pixels [default: 640x480, or 480 high where the camera has an aspect of its own]
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<(u32, u32)>,
+
+    /// Random seed: the same one gives the same image on the same device
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u32,
+
+    /// Longest path, in edges from camera to light
+    #[arg(long, value_name = "K", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=31))]
+    pub max_depth: u32,
+
+    /// Camera by name [default: the scene's first]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+
+    /// Where to stand instead, in the scene's units; upright, with the camera's field of view
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "look_at", allow_hyphen_values = true)]
+    pub look_from: Option<Vec3>,
+
+    /// What to look at from there
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "look_from", allow_hyphen_values = true)]
+    pub look_at: Option<Vec3>,
+
+    /// Paths in the ensemble, an even number (mlt, emlt)
+    #[arg(long, value_name = "N", default_value_t = 16384, value_parser = parse_ensemble)]
+    pub ensemble: u32,
+
+    /// Kernels with their weights, as in independence=0.1,lens=1 (mlt, emlt); 'emlt info SCENE' lists them
+    #[arg(long, value_name = "NAME=WEIGHT,...")]
+    pub kernels: Option<String>,
+
+    /// Guides that a guided kernel looks at, M of the supplement (emlt)
+    #[arg(long, value_name = "M", default_value_t = Guidance::default().guides, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_GUIDES)))]
+    pub guides: u32,
+
+    /// Size of guided steps in spreads of the guides, the same for all [default: 0.05 to 0.5, the larger the more the
+    /// guides resemble the path] (emlt)
+    #[arg(long, value_name = "A", value_parser = parse_alpha)]
+    pub alpha: Option<f32>,
+
+    /// What makes guides resemble a path (emlt)
+    #[arg(long, value_enum, default_value_t = Resemblance::Positions)]
+    pub similarity: Resemblance,
+
+    /// Who renders direct light, paths of at most 2 edges (mlt, emlt)
+    #[arg(long, value_enum, default_value_t = Direct::Mcmc)]
+    pub direct: Direct,
+
+    /// Give dark parts more samples: as many as luminance to the power 1 - GAMMA, from 0 to 1 (mlt, emlt)
+    #[arg(long, value_name = "GAMMA", value_parser = parse_gamma)]
+    pub two_stage: Option<f64>,
+
+    /// Device by a part of its name [default: the fastest kind there is]
+    #[arg(long, value_name = "NAME")]
+    pub device: Option<String>,
+}
+
+/// What the similarity of paths compares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Resemblance {
+    Positions,
+    /// Positions and normals; the supplement finds this worse
+    Normals,
+}
+
+impl Options {
+    /// Refuses what a method cannot do; `maps` is whether the maps are asked for.
+    pub fn check(&self, maps: bool) -> Result<()> {
+        if self.method != Method::Pt {
+            return Ok(());
+        }
+        if maps {
+            return Err(Error::input("--maps needs --method emlt or mlt: path tracing makes no mutations"));
+        }
+        if self.direct == Direct::Pt {
+            return Err(Error::input(
+                "--direct pt needs --method emlt or mlt: with --method pt all light is path traced",
+            ));
+        }
+        if self.two_stage.is_some() {
+            return Err(Error::input("--two-stage needs --method emlt or mlt: path tracing has no chains to steer"));
+        }
+        Ok(())
+    }
+
+    /// The camera that is asked for.
+    pub fn view(&self, scene: &Scene) -> Result<Camera> {
+        let camera = scene.camera(self.camera.as_deref())?;
+        let (Some(eye), Some(target)) = (self.look_from, self.look_at) else { return Ok(camera.clone()) };
+        camera.looking(eye, target).ok_or_else(|| {
+            Error::input(
+                "--look-from and --look-at must lie apart, and not straight above each other: move one of them",
+            )
+        })
+    }
+
+    /// The settings without a budget, for a film that fits `camera`.
+    pub fn settings(&self, camera: &Camera) -> Result<Settings> {
+        let (width, height) = self.size.unwrap_or_else(|| default_size(camera));
+        Ok(Settings {
+            method: self.method,
+            width,
+            height,
+            seed: self.seed,
+            max_depth: self.max_depth,
+            camera: self.camera.clone(),
+            ensemble: self.ensemble,
+            kernels: self.kernels.as_deref().map(Mix::parse).transpose()?,
+            guidance: Guidance {
+                guides: self.guides,
+                alpha: self.alpha.map_or(Guidance::default().alpha, |alpha| [alpha; 2]),
+                normals: self.similarity == Resemblance::Normals,
+            },
+            direct: self.direct,
+            two_stage: self.two_stage,
+            device: self.device.clone(),
+            ..Settings::default()
+        })
+    }
+}
+
+fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
+    let side = |s: &str| s.parse().ok().filter(|n| (1..=MAX_SIDE).contains(n));
+    text.split_once(['x', 'X'])
+        .and_then(|(w, h)| Some((side(w)?, side(h)?)))
+        .ok_or_else(|| format!("give width and height from 1 to {MAX_SIDE} pixels, as in 640x480"))
+}
+
+fn parse_point(text: &str) -> std::result::Result<Vec3, String> {
+    let numbers: Vec<f32> = text.split(',').filter_map(|n| n.trim().parse().ok()).collect();
+    let point = <[f32; 3]>::try_from(numbers).ok().map(Vec3::from).filter(|p| p.is_finite());
+    point.filter(|_| text.split(',').count() == 3).ok_or_else(|| "give three numbers, as in 1,0.5,-2".into())
+}
+
+fn parse_alpha(text: &str) -> std::result::Result<f32, String> {
+    let alpha = text.parse().ok().filter(|a: &f32| *a > 0.0 && *a <= 1.0);
+    alpha.ok_or_else(|| "give a number above 0 and at most 1, such as 0.05 or 0.5".into())
+}
+
+fn parse_gamma(text: &str) -> std::result::Result<f64, String> {
+    let gamma = text.parse().ok().filter(|g: &f64| (0.0..=1.0).contains(g));
+    gamma.ok_or_else(|| "give a number from 0 (as without) to 1 (all parts of the image alike)".into())
+}
+
+fn parse_ensemble(text: &str) -> std::result::Result<u32, String> {
+    let paths = text.parse().ok().filter(|n: &u32| (16..=1 << 22).contains(n) && n.is_multiple_of(2));
+    paths.ok_or_else(|| "give an even number from 16 to 4194304".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Wrapper {
+        #[command(flatten)]
+        options: Options,
+    }
+
+    fn options(words: &str) -> Options {
+        Wrapper::parse_from(["render"].into_iter().chain(words.split_whitespace())).options
+    }
+
+    fn camera(aspect: Option<f32>) -> Camera {
+        Camera { name: "c".into(), world_from_camera: glam::Affine3A::IDENTITY, vertical_fov: 1.0, aspect }
+    }
+
+    #[test]
+    fn no_flags_give_the_default_settings() {
+        let settings = options("a.glb").settings(&camera(None)).unwrap();
+        assert_eq!(format!("{settings:?}"), format!("{:?}", Settings::default()));
+    }
+
+    #[test]
+    fn the_size_follows_the_camera_unless_given() {
+        let size = |words, aspect| {
+            let settings = options(words).settings(&camera(aspect)).unwrap();
+            (settings.width, settings.height)
+        };
+        assert_eq!(size("a.glb", Some(16.0 / 9.0)), (853, 480));
+        assert_eq!(size("a.glb", Some(1e9)), (MAX_SIDE, 480));
+        assert_eq!(size("a.glb", Some(1e-9)), (1, 480));
+        assert_eq!(size("a.glb --size 32x16", Some(2.5)), (32, 16));
+    }
+
+    #[test]
+    fn a_camera_can_be_placed() {
+        let scene = Scene { cameras: vec![camera(None)], ..Scene::default() };
+        let view = |words: &str| options(words).view(&scene);
+        assert_eq!(view("a.glb").unwrap(), scene.cameras[0]);
+        let placed = view("a.glb --look-from -1,0,2.5 --look-at 3,0,2.5").unwrap();
+        assert_eq!(Vec3::from(placed.world_from_camera.translation), Vec3::new(-1.0, 0.0, 2.5));
+        assert!((Vec3::from(placed.world_from_camera.matrix3.z_axis) + Vec3::X).length() < 1e-6);
+        assert_eq!(view("a.glb --look-from 1,2,3 --look-at 1,2,3").unwrap_err().exit_status(), 2);
+        assert_eq!(view("a.glb --look-from 1,2,3 --look-at 1,9,3").unwrap_err().exit_status(), 2);
+        for text in ["", "1,2", "1,2,3,4", "1,2,x", "1,nan,2", "1,,2,3"] {
+            assert!(parse_point(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn values_out_of_range_are_refused() {
+        for text in ["", "x", "0x4", "4x0", "4x", "-1x3", "4.5x3", "99999x2", "1x2x3", "4 x 3"] {
+            assert!(parse_size(text).is_err(), "{text}");
+        }
+        assert_eq!(parse_size("1X16384"), Ok((1, 16384)));
+        for text in ["0", "14", "17", "4194306", "many"] {
+            assert!(parse_ensemble(text).is_err(), "{text}");
+        }
+        assert_eq!(parse_ensemble("16"), Ok(16));
+        for text in ["0", "-0.1", "1.1", "nan", ""] {
+            assert!(parse_alpha(text).is_err(), "{text}");
+        }
+        assert_eq!(parse_alpha("0.05"), Ok(0.05));
+        for text in ["-0.1", "1.1", "nan", "", "half"] {
+            assert!(parse_gamma(text).is_err(), "{text}");
+        }
+        assert_eq!([parse_gamma("0"), parse_gamma("1")], [Ok(0.0), Ok(1.0)]);
+    }
+}

@@ -1,0 +1,43 @@
+//! `emlt view`: a scene in a window, rendered while one looks.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::options::Options;
+use crate::Result;
+use crate::film::exr;
+use crate::scene::import::import;
+use crate::viewer::{self, Launch};
+
+/// Render a scene in a window, where settings and camera can be changed
+#[derive(Debug, Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    options: Options,
+
+    /// An image to compare with: shows errors, and their course over time
+    #[arg(long, value_name = "REF.exr")]
+    reference: Option<PathBuf>,
+}
+
+/// Opens the window and returns when it is closed. What is wrong with the files and the options is an error before.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let Arguments { options, reference } = arguments;
+    options.check(false)?;
+    viewer::check_display()?;
+    // Once more on the renderer's thread: here only so that a wrong name is said where it was typed.
+    let scene = import(&options.scene)?;
+    let camera = options.view(&scene)?;
+    let settings = options.settings(&camera)?;
+    if let Some(path) = reference {
+        exr::read(path)?;
+    }
+    viewer::run(Launch {
+        scene: options.scene.clone(),
+        look: options.look_from.zip(options.look_at),
+        size: options.size,
+        reference: reference.clone(),
+        settings,
+    })
+}

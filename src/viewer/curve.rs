@@ -1,0 +1,62 @@
+//! The error against the reference over the time of rendering.
+
+use eframe::egui::{Color32, Ui};
+use egui_plot::{Legend, Line, Plot, PlotPoints};
+
+use super::app::Viewer;
+
+/// One a picture.
+const COLORS: [Color32; 2] = [Color32::from_rgb(255, 176, 66), Color32::from_rgb(96, 176, 255)];
+
+impl Viewer {
+    pub(super) fn error_curve(&self, ui: &mut Ui) {
+        if self.reference.is_none() {
+            ui.weak("Drop a reference (.exr) into the window, or start with --reference REF.exr.");
+            return;
+        }
+        if !self.comparable() {
+            ui.weak("The reference has another size than the image.");
+            return;
+        }
+        let lines = self.slots.iter().zip(COLORS).map(|(slot, color)| {
+            // Both axes are logarithmic: the error of independent samples falls along a straight line then.
+            let log = |x: f64| x.max(1e-12).log10();
+            let points = slot.errors.iter().filter(|e| e.rel_mse > 0.0 && e.rel_mse.is_finite());
+            let points: Vec<[f64; 2]> = points.map(|e| [log(e.seconds), log(e.rel_mse)]).collect();
+            Line::new(slot.settings.method.name(), PlotPoints::from(points)).color(color).width(2.0)
+        });
+        let lines: Vec<Line> = lines.collect();
+        let power =
+            |x: f64| if (0.01..10_000.0).contains(&10f64.powf(x)) { plain(10f64.powf(x)) } else { format!("1e{x:.0}") };
+        Plot::new("error")
+            .height(190.0)
+            .legend(Legend::default())
+            .allow_scroll(false)
+            .allow_zoom(false)
+            .allow_drag(false)
+            .allow_boxed_zoom(false)
+            .x_axis_label("seconds")
+            .y_axis_label("relMSE")
+            .x_axis_formatter(move |mark, _| power(mark.value))
+            .y_axis_formatter(move |mark, _| power(mark.value))
+            .show(ui, |plot| lines.into_iter().for_each(|line| plot.line(line)));
+    }
+}
+
+/// With two digits that count.
+fn plain(x: f64) -> String {
+    let digits = (1.0 - x.log10().floor()).max(0.0) as usize;
+    format!("{x:.digits$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_two_digits() {
+        for (x, text) in [(0.012345, "0.012"), (1.0, "1.0"), (3.1623, "3.2"), (100.0, "100")] {
+            assert_eq!(plain(x), text);
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! The figures: how fast, how good, by what.
+
+use eframe::egui::{Grid, Ui};
+
+use super::app::Viewer;
+use super::slot::Slot;
+use crate::film::Channel;
+use crate::kernels;
+use crate::methods::Method;
+use crate::report::summary::{grouped, million_per_second, peak_memory_bytes};
+
+impl Viewer {
+    pub(super) fn statistics(&self, ui: &mut Ui) {
+        let slots: Vec<&Slot> = self.slots.iter().collect();
+        if slots.iter().all(|slot| slot.picture.image.is_none() || slot.picture.preview) {
+            ui.weak("none before the first image");
+        }
+        for (number, slot) in slots.into_iter().enumerate().filter(|(_, slot)| !slot.picture.preview) {
+            if slot.picture.image.is_some() {
+                figures(ui, number, slot);
+                kernel_table(ui, number, slot);
+            }
+        }
+        Grid::new("interface").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
+            let mut row = row(ui);
+            if let Some(bytes) = peak_memory_bytes() {
+                row("memory", format!("{:.0} MiB at its peak", bytes as f64 / f64::from(1 << 20)));
+            }
+            let pace = self.pace;
+            row(
+                "interface",
+                format!("{:.1} ms a frame, {:.0} ms lately at most", 1e3 * pace.work_s, 1e3 * pace.longest_s),
+            );
+        });
+    }
+
+    /// What is in the scene, and what it needs.
+    pub(super) fn scene_facts(&self, ui: &mut Ui) {
+        let Some(scene) = &self.scene else {
+            ui.weak("no scene yet");
+            return;
+        };
+        Grid::new("scene").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
+            let mut row = row(ui);
+            row("file", scene.path.display().to_string());
+            row("triangles", grouped(scene.triangles as u64));
+            let on: Vec<&str> = scene.features.flags().iter().filter(|(_, on)| *on).map(|(name, _)| *name).collect();
+            row("features", if on.is_empty() { "diffuse only".into() } else { on.join(", ") });
+            let useful = kernels::ALL.iter().filter(|k| (k.useless)(scene.features).is_none());
+            row("kernels", useful.map(|k| k.name).collect::<Vec<_>>().join(", "));
+        });
+        for warning in &scene.warnings {
+            ui.colored_label(ui.visuals().warn_fg_color, warning);
+        }
+    }
+}
+
+/// Adds rows of a name and a value to a grid.
+fn row(ui: &mut Ui) -> impl FnMut(&str, String) + '_ {
+    |name, value| {
+        ui.label(name);
+        ui.add(eframe::egui::Label::new(value).wrap());
+        ui.end_row();
+    }
+}
+
+fn figures(ui: &mut Ui, number: usize, slot: &Slot) {
+    let s = &slot.picture.statistics;
+    let method = slot.settings.method;
+    ui.strong(method.name());
+    Grid::new(("figures", number)).num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
+        let mut row = row(ui);
+        let pixels = f64::from(slot.settings.width) * f64::from(slot.settings.height);
+        let what = if method == Method::Pt { "samples" } else { "mutations" };
+        row(what, format!("{} ({:.1} a pixel)", grouped(s.samples), s.samples as f64 / pixels));
+        row("", million_per_second(s.samples, s.render_s));
+        if s.direct_samples > 0 {
+            row("direct", format!("{:.1} samples a pixel by pt", s.direct_samples as f64 / pixels));
+        }
+        row("rays", million_per_second(s.rays, s.seeding_s + s.render_s));
+        if let Some((b, error)) = s.b {
+            row("b", format!("{b:.5} \u{b1} {:.2} %", 100.0 * error / b));
+        }
+        if let Some(error) = slot.picture.own_error {
+            row("own error", format!("{:.2} % of a pixel's value, typically", 100.0 * error));
+        }
+        if let Some(last) = slot.errors.last() {
+            row("relMSE", format!("{:.4} a pixel, {:.4} of 4x4", last.rel_mse, last.rel_mse_blocks));
+        }
+        row("time", format!("{:.1} s, and {:.1} s to start", s.render_s, s.setup_s + s.compile_s + s.seeding_s));
+        row("device", s.device.clone());
+    });
+    for note in &s.notes {
+        ui.colored_label(ui.visuals().warn_fg_color, note);
+    }
+}
+
+fn kernel_table(ui: &mut Ui, number: usize, slot: &Slot) {
+    let kernels = &slot.picture.statistics.kernels;
+    if kernels.is_empty() {
+        return;
+    }
+    let total: u64 = kernels.iter().map(|k| k.mutations).sum();
+    Grid::new(("kernels", number)).num_columns(4).striped(true).spacing([12.0, 2.0]).show(ui, |ui| {
+        for (title, hint) in [
+            ("kernel", ""),
+            ("share", "of all mutations"),
+            ("accepted", "of its own mutations"),
+            ("jump", "mean squared jump on the film, px\u{b2}"),
+        ] {
+            ui.strong(title).on_hover_text(hint);
+        }
+        ui.end_row();
+        for k in kernels {
+            let percent = |part: u64, of: u64| format!("{:.1} %", 100.0 * part as f64 / of.max(1) as f64);
+            ui.label(&k.name);
+            ui.monospace(percent(k.mutations, total));
+            ui.monospace(percent(k.accepted, k.mutations));
+            ui.monospace(format!("{:.1}", k.mean_squared_jump_px2));
+            ui.end_row();
+        }
+    });
+}
+
+/// The typical relative error that path tracing's own scatter tells: root of the mean variance over the mean squared
+/// value. None where the layers say nothing.
+pub fn own_error(image: &crate::film::Image, channels: &[Channel]) -> Option<f64> {
+    let variance: Vec<&Channel> = channels.iter().filter(|c| c.name.starts_with("Variance.")).collect();
+    if variance.is_empty() {
+        return None;
+    }
+    let noise: f64 = variance.iter().flat_map(|c| &c.values).map(|v| f64::from(*v)).sum();
+    let light: f64 = image.pixels.iter().flatten().map(|v| f64::from(*v).powi(2)).sum();
+    (light > 0.0 && noise.is_finite()).then(|| (noise / light).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::Image;
+
+    #[test]
+    fn the_own_error_is_relative() {
+        let image = Image { width: 1, height: 1, pixels: vec![[2.0; 3]] };
+        let channel = |name: &str| Channel { name: name.into(), values: vec![0.04] };
+        let channels = ["Variance.R", "Variance.G", "Variance.B"].map(channel);
+        assert!((own_error(&image, &channels).unwrap() - 0.1).abs() < 1e-6);
+        assert_eq!(own_error(&image, &[]), None);
+    }
+}
