@@ -53,6 +53,11 @@ impl<'a> Preview<'a> {
         self.session.samples() >= ENOUGH_SAMPLES * self.pixels
     }
 
+    /// Whether it has been seen.
+    pub fn has_image(&self) -> bool {
+        self.shown.is_some()
+    }
+
     /// A little more of it; the image where it is time for one.
     pub fn step(&mut self) -> Result<Option<Image>> {
         if self.is_enough() {

@@ -191,7 +191,11 @@ impl<'a> Worker<'a> {
     }
 
     fn step(&mut self) -> Result<()> {
-        let done = self.preview_step().and_then(|()| self.render_step());
+        let mut done = self.preview_step();
+        // Something to see comes before anything else.
+        if done.is_ok() && self.preview.as_ref().is_none_or(Preview::has_image) {
+            done = self.render_step();
+        }
         self.failed = done.is_err();
         done
     }
