@@ -96,6 +96,8 @@ pub const FILM_SCALE: f64 = 4_194_304.0;
 
 /// Rows of vec4 a material takes in `tables` (`MATERIAL_ROWS`).
 pub const MATERIAL_ROWS: usize = 4;
+/// The same where a scene has textures.
+pub const TEXTURED_ROWS: usize = 6;
 
 #[cfg(test)]
 mod tests {
@@ -209,5 +211,12 @@ mod tests {
         assert_eq!(value("COUNTER_JUMP_HIGH"), COUNTER_JUMP_HIGH as f64);
         assert_eq!(value("FILM_SCALE"), FILM_SCALE);
         assert_eq!(value("MATERIAL_ROWS"), MATERIAL_ROWS as f64);
+        let features = Features { textured: true, ..Features::default() };
+        let variant = Variant { pass: "camera_side", features, max_edges: 12, flags: vec![] };
+        let textured = validate(&compose(&variant).unwrap()).unwrap();
+        let rows =
+            textured.constants.iter().find(|(_, c)| c.name.as_deref().is_some_and(|n| n.ends_with("MATERIAL_ROWS")));
+        let init = textured.global_expressions[rows.unwrap().1.init].clone();
+        assert_eq!(init, naga::Expression::Literal(Literal::U32(TEXTURED_ROWS as u32)));
     }
 }

@@ -18,6 +18,16 @@ pub struct Features {
     pub narrow: bool,
     /// Light comes from a uniform sky, and from nothing else.
     pub sky: bool,
+    /// Some material has a texture, or is multiplied by vertex colours.
+    pub textured: bool,
+    /// Some texture uses a second set of coordinates.
+    pub second_coordinates: bool,
+    /// Some material has a normal texture.
+    pub normal_mapped: bool,
+    /// Some material is multiplied by vertex colours.
+    pub vertex_colored: bool,
+    /// Some emissive material has an emissive texture.
+    pub emission_mapped: bool,
 }
 
 impl Features {
@@ -43,12 +53,17 @@ impl Features {
             features.rough_glass |= transmits && !smooth;
             features.mirror |= specular && smooth;
             features.glossy |= specular && !smooth;
+            features.textured |= !material.is_plain();
+            features.second_coordinates |= material.textures.all().any(|texture| texture.slot > 0);
+            features.normal_mapped |= material.textures.normal.is_some();
+            features.vertex_colored |= material.vertex_colored;
+            features.emission_mapped |= material.emits() && material.textures.emissive.is_some();
         }
         features
     }
 
     /// Every flag with its name, as the shaders call it.
-    pub fn flags(&self) -> [(&'static str, bool); 6] {
+    pub fn flags(&self) -> [(&'static str, bool); 11] {
         [
             ("glossy", self.glossy),
             ("mirror", self.mirror),
@@ -56,6 +71,11 @@ impl Features {
             ("rough_glass", self.rough_glass),
             ("narrow", self.narrow),
             ("sky", self.sky),
+            ("textured", self.textured),
+            ("second_coordinates", self.second_coordinates),
+            ("normal_mapped", self.normal_mapped),
+            ("vertex_colored", self.vertex_colored),
+            ("emission_mapped", self.emission_mapped),
         ]
     }
 }

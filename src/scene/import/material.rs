@@ -2,11 +2,14 @@
 
 use glam::Vec3;
 use gltf::json;
+use gltf::json::Value;
 use gltf::json::material::AlphaMode;
 use gltf::json::validation::Checked;
 
 use super::notes::{Feature, MATERIAL_EXTENSIONS, Notes};
+use super::texture::Reader;
 use crate::scene::Material;
+use crate::scene::material::Textures;
 
 /// Whether light passes a transmissive material refracted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,8 +22,18 @@ pub enum Refraction {
     WhereClosed,
 }
 
-/// `materials[index]` with `thin` as far as the file decides it, and what is to decide it.
-pub fn convert(material: &json::Material, index: usize, notes: &mut Notes) -> Result<(Material, Refraction), String> {
+/// A material of the file, converted.
+pub struct Converted {
+    pub material: Material,
+    pub refraction: Refraction,
+    /// The sets of coordinates (TEXCOORD_n) that its textures use, by slot.
+    pub coordinates: Vec<u32>,
+}
+
+/// `materials[index]` with `thin` as far as the file decides it, and what is to decide it. `raw` is the same as `material`,
+/// untyped; `colored` says whether vertices with this material have colours.
+pub fn convert(material: &json::Material, raw: &Value, colored: bool, mut reader: Reader) -> Result<Converted, String> {
+    let index = reader.material;
     let extensions = material.extensions.as_ref();
     let pbr = &material.pbr_metallic_roughness;
     let transmission = extensions.and_then(|e| e.transmission.as_ref());
@@ -42,9 +55,12 @@ pub fn convert(material: &json::Material, index: usize, notes: &mut Notes) -> Re
         thin: true,
         emission: emissive_strength * Vec3::from_array(material.emissive_factor.0),
         double_sided: material.double_sided,
+        vertex_colored: colored,
+        textures: Textures::default(),
+        mapped_alpha: None,
     };
     if extensions.is_some_and(|e| e.unlit.is_some()) {
-        notes.add(Feature::Unlit, index);
+        reader.notes.add(Feature::Unlit, index);
         converted = Material {
             metallic: 0.0,
             roughness: 1.0,
@@ -54,13 +70,9 @@ pub fn convert(material: &json::Material, index: usize, notes: &mut Notes) -> Re
             ..converted
         };
     }
-    if material.emissive_texture.is_some() && converted.emits() {
-        // The factor alone would make all of the surface a light, where the texture lights a few spots.
-        notes.add(Feature::EmissiveTexture, index);
-        converted.emission = Vec3::ZERO;
-    }
     check(&mut converted)?;
-    note_unsupported(material, index, notes);
+    textures(&mut converted, raw, &mut reader)?;
+    note_unsupported(material, index, reader.notes);
 
     let refraction = match volume {
         _ if converted.transmission == 0.0 => Refraction::Thin,
@@ -69,7 +81,53 @@ pub fn convert(material: &json::Material, index: usize, notes: &mut Notes) -> Re
         None => Refraction::WhereClosed,
     };
     converted.thin = refraction != Refraction::Solid;
-    Ok((converted, refraction))
+    Ok(Converted { material: converted, refraction, coordinates: reader.sets })
+}
+
+/// Reads the textures that make a difference to `material`.
+///
+/// The occlusion texture is not read: how much light reaches a point is what rendering computes. Neither is the texture of
+/// KHR_materials_volume's thickness, which stands in for geometry that is there.
+fn textures(material: &mut Material, raw: &Value, reader: &mut Reader) -> Result<(), String> {
+    let mut read = |pointer: &str, srgb: bool, used: bool| {
+        let info = raw.pointer(pointer).filter(|_| used);
+        reader.texture(info, &pointer.replace('/', "."), srgb)
+    };
+    let specular = material.specular > 0.0;
+    let extension = |name: &str| format!("/extensions/KHR_materials_{name}");
+    material.textures = Textures {
+        base_color: read("/pbrMetallicRoughness/baseColorTexture", true, material.base_color != Vec3::ZERO)?,
+        metallic_roughness: read("/pbrMetallicRoughness/metallicRoughnessTexture", false, material.is_specular())?,
+        emissive: read("/emissiveTexture", true, material.emits())?,
+        normal: read("/normalTexture", false, true)?.map(|texture| {
+            let scale = raw.pointer("/normalTexture/scale").and_then(Value::as_f64).unwrap_or(1.0);
+            (texture, scale as f32)
+        }),
+        transmission: read(&(extension("transmission") + "/transmissionTexture"), false, material.transmission > 0.0)?,
+        specular: read(&(extension("specular") + "/specularTexture"), false, specular)?,
+        specular_color: read(&(extension("specular") + "/specularColorTexture"), true, specular)?,
+    };
+    let images = &reader.images.images;
+    if let Some(texture) = &material.textures.metallic_roughness {
+        let texels = &images[texture.image as usize].texels;
+        let (mut sum, mut most) = (0.0, 0u8);
+        for texel in texels {
+            let [_, green, ..] = texel.to_le_bytes();
+            most = most.max(green);
+            sum += f64::from(green).powi(2);
+        }
+        let squared = material.roughness.powi(2);
+        let mean = (sum / (texels.len() as f64 * 255.0 * 255.0)) as f32;
+        material.mapped_alpha = Some([squared * mean, squared * (f32::from(most) / 255.0).powi(2)]);
+    }
+    // A lamp whose texture is black all over is none.
+    if let Some(texture) = &material.textures.emissive
+        && images[texture.image as usize].texels.iter().all(|texel| texel & 0x00ff_ffff == 0)
+    {
+        material.emission = Vec3::ZERO;
+        material.textures.emissive = None;
+    }
+    Ok(())
 }
 
 /// Refuses what is no number and brings the rest into the ranges of glTF.
@@ -102,32 +160,11 @@ fn check(material: &mut Material) -> Result<(), String> {
 /// Notes every part of `material` that rendering will ignore.
 fn note_unsupported(material: &json::Material, index: usize, notes: &mut Notes) {
     let extensions = material.extensions.as_ref();
-    let pbr = &material.pbr_metallic_roughness;
-    let transmission = extensions.and_then(|e| e.transmission.as_ref());
     let volume = extensions.and_then(|e| e.volume.as_ref());
-    let specular = extensions.and_then(|e| e.specular.as_ref());
-    let textures = [
-        pbr.base_color_texture.as_ref(),
-        pbr.metallic_roughness_texture.as_ref(),
-        material.emissive_texture.as_ref(),
-        transmission.and_then(|t| t.transmission_texture.as_ref()),
-        volume.and_then(|v| v.thickness_texture.as_ref()),
-        specular.and_then(|s| s.specular_texture.as_ref()),
-        specular.and_then(|s| s.specular_color_texture.as_ref()),
-    ];
-    // Normal and occlusion textures are of other types, whose extensions the parser leaves untyped.
-    let normal = material.normal_texture.as_ref().map(|t| t.extensions.as_ref().map(|e| &e.others));
-    let occlusion = material.occlusion_texture.as_ref().map(|t| t.extensions.as_ref().map(|e| &e.others));
-    let untyped = [normal, occlusion];
-    let transformed =
-        textures.iter().flatten().any(|t| t.extensions.as_ref().is_some_and(|e| e.texture_transform.is_some()))
-            || untyped.iter().flatten().flatten().any(|others| others.contains_key("KHR_texture_transform"));
     let attenuates = |v: &&json::extensions::material::Volume| {
         v.attenuation_distance.0.is_finite() && v.attenuation_color.0 != [1.0; 3]
     };
     let features = [
-        (Feature::Texture, textures.iter().any(Option::is_some) || untyped.iter().any(Option::is_some)),
-        (Feature::TextureTransform, transformed),
         (Feature::Alpha, material.alpha_mode != Checked::Valid(AlphaMode::Opaque)),
         (Feature::Attenuation, volume.filter(attenuates).is_some()),
     ];
