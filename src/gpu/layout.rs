@@ -94,10 +94,15 @@ pub const JUMP_SCALE: f64 = 16.0;
 /// Units per 1.0 of a film channel (`FILM_SCALE`).
 pub const FILM_SCALE: f64 = 4_194_304.0;
 
+/// First code of a light that is no triangle (`PUNCTUAL` in shaders/light/sources.wesl), and the code of what lies at
+/// infinity (`NO_TRIANGLE`).
+pub const PUNCTUAL: u32 = 0xff00_0000;
+pub const NO_TRIANGLE: u32 = u32::MAX;
+
 /// Rows of vec4 a material takes in `tables` (`MATERIAL_ROWS`).
 pub const MATERIAL_ROWS: usize = 4;
-/// The same where a scene has textures.
-pub const TEXTURED_ROWS: usize = 6;
+/// The same where materials have textures or an alpha.
+pub const EXTENDED_ROWS: usize = 7;
 
 #[cfg(test)]
 mod tests {
@@ -217,6 +222,6 @@ mod tests {
         let rows =
             textured.constants.iter().find(|(_, c)| c.name.as_deref().is_some_and(|n| n.ends_with("MATERIAL_ROWS")));
         let init = textured.global_expressions[rows.unwrap().1.init].clone();
-        assert_eq!(init, naga::Expression::Literal(Literal::U32(TEXTURED_ROWS as u32)));
+        assert_eq!(init, naga::Expression::Literal(Literal::U32(EXTENDED_ROWS as u32)));
     }
 }

@@ -5,7 +5,7 @@ use wgpu::util::DeviceExt;
 
 use super::context::Context;
 use super::layout::SceneUniform;
-use super::surface;
+use super::{lights, surface};
 use crate::accel;
 use crate::scene::material::GLOSSY_AS_SPECULAR_ALPHA;
 use crate::scene::{Camera, Features, Scene};
@@ -60,17 +60,24 @@ impl SceneData {
             shading.push([n[0], n[1], n[2], scene.triangle_materials[source as usize]]);
         }
 
-        let (weights, emitters) = light_weights(scene, &accel.order, &corners, &emission);
-        let (mut tables, textures) = surface::materials(scene, features, threshold, weights.len());
-        let lights_offset = tables.len() as u32;
-        tables.extend(alias_table(&weights, &emitters));
+        let (mut weights, mut emitters) = lights::emitters(scene, &accel.order, &corners, &emission);
+        let others = lights::others(scene, radius);
+        others.add_to(&mut weights, &mut emitters);
+        let lights_rows = weights.len() + if features.mixed { lights::HEADER_ROWS } else { 0 };
+        let (mut tables, textures) = surface::materials(scene, features, threshold, lights_rows);
+        let lights_offset = tables.len() + lights_rows - weights.len();
+        if features.mixed {
+            tables.extend(others.header(tables.len() + lights_rows + textures.len()));
+        }
+        tables.extend(lights::alias_table(&weights, &emitters));
         tables.extend(textures);
+        tables.extend(others.rows);
 
         let uniform = SceneUniform {
             sky: scene.sky.unwrap_or(Vec3::ZERO).into(),
             light_count: emitters.len() as u32,
             light_weight: weights.iter().sum::<f64>() as f32,
-            lights_offset,
+            lights_offset: lights_offset as u32,
             triangle_count: corners.len() as u32,
             ..Default::default()
         };
@@ -114,43 +121,6 @@ impl SceneData {
             sphere: (Vec3::ZERO, 1.0),
         }
     }
-}
-
-/// Selection weight (area * sides * luminance) and leaf position of every emissive triangle.
-fn light_weights(scene: &Scene, order: &[u32], corners: &[[Vec3; 3]], emission: &[f64]) -> (Vec<f64>, Vec<u32>) {
-    let mut weights = Vec::new();
-    let mut emitters = Vec::new();
-    for (leaf, &source) in order.iter().enumerate() {
-        let material = &scene.materials[scene.triangle_materials[source as usize] as usize];
-        // As the device knows it, so that the density it states is the one it samples.
-        let luminance = emission[source as usize] as f32;
-        if luminance > 0.0 {
-            let [a, b, c] = corners[source as usize];
-            let area = 0.5 * f64::from((b - a).cross(c - a).length());
-            let sides = if material.double_sided { 2.0 } else { 1.0 };
-            weights.push(area * sides * f64::from(luminance));
-            emitters.push(leaf as u32);
-        }
-    }
-    (weights, emitters)
-}
-
-/// Rows (threshold, own triangle, other triangle, 0) of an alias table (Walker 1977; Vose 1991).
-fn alias_table(weights: &[f64], emitters: &[u32]) -> Vec<[u32; 4]> {
-    let n = weights.len();
-    let total: f64 = weights.iter().sum();
-    let mut share: Vec<f64> = weights.iter().map(|w| w * n as f64 / total).collect();
-    let mut rows: Vec<[u32; 4]> = emitters.iter().map(|&e| [1f32.to_bits(), e, e, 0]).collect();
-    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| share[i] < 1.0);
-    while let (Some(s), Some(&l)) = (small.pop(), large.last()) {
-        rows[s] = [(share[s] as f32).to_bits(), emitters[s], emitters[l], 0];
-        share[l] -= 1.0 - share[s];
-        if share[l] < 1.0 {
-            large.pop();
-            small.push(l);
-        }
-    }
-    rows
 }
 
 /// Storage buffers of bind group 1, which share a device's limit with those of the scene.
@@ -206,25 +176,5 @@ impl GpuScene {
         let buffers: Vec<&wgpu::Buffer> = std::iter::once(&uniform).chain(&storage).collect();
         let group = super::buffer_group(device, &layout, &buffers, None);
         Ok(Self { layout, group })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn alias_table_gives_the_weights_back() {
-        let weights = [3.0, 0.5, 0.25, 7.0, 1.25];
-        let emitters = [10, 11, 12, 13, 14];
-        let mut mass = [0.0f64; 5];
-        for row in alias_table(&weights, &emitters) {
-            let keep = f64::from(f32::from_bits(row[0]));
-            mass[row[1] as usize - 10] += keep / 5.0;
-            mass[row[2] as usize - 10] += (1.0 - keep) / 5.0;
-        }
-        for (m, w) in mass.iter().zip(weights) {
-            assert!((m - w / 12.0).abs() < 1e-6, "{mass:?}");
-        }
     }
 }

@@ -238,11 +238,16 @@ mod tests {
                 normal_mapped: true,
                 vertex_colored: true,
                 emission_mapped: true,
+                masked: true,
                 ..Features::default()
             },
+            Features { blended: true, ..Features::default() },
+            Features { mixed: true, ..Features::default() },
+            Features { mixed: true, environment: true, ..Features::default() },
+            Features { textured: true, blended: true, masked: true, ..Features::default() },
         ];
         for (bits, textured) in (0..64u32).flat_map(|bits| textured.map(|textured| (bits, textured))) {
-            if textured.textured && ![0, 1, 7, 31, 32, 63].contains(&bits) {
+            if textured != Features::default() && ![0, 63].contains(&bits) {
                 continue;
             }
             let features = Features {
@@ -253,6 +258,13 @@ mod tests {
                 narrow: bits & 16 != 0,
                 sky: bits & 32 != 0,
                 ..textured
+            };
+            // What light goes past is a class of specular vertices.
+            let features = Features {
+                mirror: features.mirror || features.blended,
+                glass: features.glass || features.blended,
+                sky: features.sky || features.environment,
+                ..features
             };
             let specular = features.glass || features.narrow;
             if (specular && !features.mirror) || (features.rough_glass && !features.glossy) {

@@ -3,7 +3,8 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::layout::{MATERIAL_ROWS, TEXTURED_ROWS};
+use super::layout::{EXTENDED_ROWS, MATERIAL_ROWS};
+use crate::scene::material::AlphaMode;
 use crate::scene::texture::{SRGB, Texture, Wrap};
 use crate::scene::{Features, Material, Scene};
 
@@ -22,7 +23,7 @@ pub fn encode_octahedral(n: Vec3) -> u32 {
 pub fn materials(scene: &Scene, features: Features, threshold: f32, lights: usize) -> (Vec<[u32; 4]>, Vec<[u32; 4]>) {
     let mut rows = Vec::new();
     let mut textures: Vec<[u32; 4]> = Vec::new();
-    let rows_each = if features.textured { TEXTURED_ROWS } else { MATERIAL_ROWS };
+    let rows_each = if features.extended() { EXTENDED_ROWS } else { MATERIAL_ROWS };
     let first_texture = scene.materials.len() * rows_each + lights;
     let offsets = image_offsets(scene);
     // Row of a texture in the table; 0, which is a material's, for none.
@@ -33,24 +34,30 @@ pub fn materials(scene: &Scene, features: Features, threshold: f32, lights: usiz
         row as u32
     };
     for material in &scene.materials {
-        rows.extend(pack_material(material, threshold, features.textured));
-        if features.textured {
+        rows.extend(pack_material(material, threshold, features.extended()));
+        if features.extended() {
             let [base, rough, emissive, transmission, specular, specular_color] =
                 material.textures.slots().map(|texture| row_of(texture, 1.0));
             let normal = material.textures.normal.as_ref().map_or(0, |(texture, scale)| row_of(Some(texture), *scale));
             rows.push([base, rough, emissive, transmission]);
             rows.push([specular, specular_color, normal, u32::from(material.vertex_colored)]);
+            let (cutoff, mode) = match material.alpha_mode {
+                AlphaMode::Opaque => (0.0, 0.0),
+                AlphaMode::Mask(cutoff) => (cutoff, 1.0),
+                AlphaMode::Blend => (0.0, 2.0),
+            };
+            rows.push([material.base_alpha, cutoff, mode, 0.0].map(f32::to_bits));
         }
     }
     (rows, textures)
 }
 
 /// Four rows as `material_at` in shaders/bsdf/material.wesl reads them.
-fn pack_material(m: &Material, threshold: f32, textured: bool) -> [[u32; 4]; MATERIAL_ROWS] {
+fn pack_material(m: &Material, threshold: f32, extended: bool) -> [[u32; 4]; MATERIAL_ROWS] {
     let reflectance = ((m.ior - 1.0) / (m.ior + 1.0)).powi(2);
     // Where textures come in between, the shader does the rest.
     let raw = reflectance * m.specular_color;
-    let f0 = if textured { raw } else { raw.min(Vec3::ONE) * m.specular };
+    let f0 = if extended { raw } else { raw.min(Vec3::ONE) * m.specular };
     // A textured alpha is the roughness factor's times the texture's square; its sign and that it is no delta stay.
     let alpha = if m.alpha() > 0.0 && m.mapped_alpha.is_some() { m.roughness * m.roughness } else { m.alpha() };
     let alpha = if m.is_narrow(threshold) { -alpha } else { alpha };

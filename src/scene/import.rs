@@ -9,6 +9,7 @@ mod closed;
 mod draco;
 mod file;
 mod image;
+mod light;
 mod material;
 mod mesh;
 mod meshopt;
@@ -35,6 +36,8 @@ use self::texture::{Images, Reader};
 use crate::Error;
 use crate::scene::{Material, Scene};
 
+/// Said where a sky is made up.
+pub(super) const NO_LIGHT: &str = "The file has no light that can be rendered: a white sky of radiance 1 is added.";
 /// Most triangles in a scene, so that a small file of many instances cannot fill the memory: 1.4 GiB at worst.
 const MAX_TRIANGLES: u64 = 1 << 24;
 /// Extensions that a file may require: the import either honours them or has a sentence of its own about them.
@@ -118,8 +121,8 @@ impl<'a> Importer<'a> {
     /// Adds what a node of the file holds.
     fn add_node(&mut self, index: usize, world_from_node: DAffine3) -> Result<(), String> {
         let node = &self.file.root.nodes[index];
-        if node.extensions.as_ref().is_some_and(|e| e.khr_lights_punctual.is_some()) {
-            self.notes.add(Feature::PunctualLight, index);
+        if let Some(light) = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) {
+            self.scene.lights.extend(light::convert(self.file, light.light.value(), world_from_node)?);
         }
         if let Some(camera) = node.camera {
             self.add_camera(camera.value(), node.name.as_deref(), world_from_node)?;
@@ -272,11 +275,9 @@ impl<'a> Importer<'a> {
             }
         }
         // Of the materials in use: one whose triangles were all dropped lights nothing.
-        if scene.mean_emission().iter().all(|luminance| *luminance == 0.0) {
+        if scene.lights.is_empty() && scene.mean_emission().iter().all(|luminance| *luminance == 0.0) {
             scene.sky = Some(Vec3::ONE);
-            scene
-                .warnings
-                .push("The file has no light that can be rendered: a white sky of radiance 1 is added.".into());
+            scene.warnings.push(NO_LIGHT.into());
         }
         if scene.cameras.is_empty() {
             scene.cameras.push(camera::framed(&scene));

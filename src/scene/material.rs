@@ -36,6 +36,9 @@ pub struct Material {
     pub emission: Vec3,
     /// Emits on both sides; reflection is two-sided in any case.
     pub double_sided: bool,
+    /// The base colour's fourth component, and what it means; opaque where there is glass.
+    pub base_alpha: f32,
+    pub alpha_mode: AlphaMode,
     /// Multiplied by the vertices' colours (COLOR_0).
     pub vertex_colored: bool,
     pub textures: Textures,
@@ -43,10 +46,21 @@ pub struct Material {
     pub mapped_alpha: Option<[f32; 2]>,
 }
 
+/// What a material's alpha means (glTF 2.0, section 3.9.4).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum AlphaMode {
+    #[default]
+    Opaque,
+    /// There is nothing where alpha is below this.
+    Mask(f32),
+    /// Alpha is the share of the light behind that is covered.
+    Blend,
+}
+
 /// The textures of a material, each multiplied with the factor of its name at every point.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Textures {
-    /// RGB: base colour.
+    /// RGB: base colour; A: alpha.
     pub base_color: Option<Texture>,
     /// G: roughness; B: metallic.
     pub metallic_roughness: Option<Texture>,
@@ -95,6 +109,8 @@ impl Default for Material {
             thin: true,
             emission: Vec3::ZERO,
             double_sided: false,
+            base_alpha: 1.0,
+            alpha_mode: AlphaMode::Opaque,
             vertex_colored: false,
             textures: Textures::default(),
             mapped_alpha: None,
@@ -128,6 +144,11 @@ impl Material {
     /// Whether it is the same at every point of a triangle.
     pub fn is_plain(&self) -> bool {
         !self.vertex_colored && self.textures.all().next().is_none()
+    }
+
+    /// Whether there is nothing of it anywhere: alpha is below the mask's cutoff, and the same at all points.
+    pub fn is_masked_out(&self) -> bool {
+        matches!(self.alpha_mode, AlphaMode::Mask(cutoff) if self.base_alpha < cutoff)
     }
 
     /// Whether triangles of this material are lights.

@@ -1,8 +1,10 @@
 //! The scene as plain data: what a renderer needs to know, in the file's own units, independent of file format and device.
 
 pub mod camera;
+pub mod environment;
 pub mod features;
 pub mod import;
+pub mod light;
 pub mod material;
 pub mod texture;
 
@@ -10,6 +12,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 
 pub use camera::Camera;
 pub use features::Features;
+pub use light::{Environment, Light};
 pub use material::Material;
 pub use texture::{Image, Texture};
 
@@ -46,6 +49,10 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Radiance of a uniform sky around the scene (linear Rec.709); set only where the file has no light at all.
     pub sky: Option<Vec3>,
+    /// Radiance from all around instead of `sky`.
+    pub environment: Option<Environment>,
+    /// Points, spots and directions.
+    pub lights: Vec<Light>,
     /// What the import left out or made up, one sentence each, each said once.
     pub warnings: Vec<String>,
 }
@@ -60,6 +67,13 @@ impl Scene {
             high = high.max(*p);
         }
         (0.5 * (low + high), 0.5 * (high - low).length())
+    }
+
+    /// Puts an environment around the scene, in place of a sky that the import made up for want of a light.
+    pub fn set_environment(&mut self, environment: Environment) {
+        self.sky = None;
+        self.environment = Some(environment);
+        self.warnings.retain(|warning| warning != import::NO_LIGHT);
     }
 
     /// Gives attributes that only some vertices needed to all of them.

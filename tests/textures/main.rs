@@ -25,7 +25,7 @@ use emlt::reference::rng;
 use emlt::scene::{Features, LUMINANCE, Scene, Texture};
 use glam::{DVec2, DVec3, Vec4};
 use renders::{render, replicates, settings};
-use room::room;
+use room::{lit_room, room, veiled_room};
 
 /// What shaders/passes/surface_probe.wesl tells of points of a scene.
 fn probe(scene: &Scene, points: &[[u32; 4]]) -> Vec<[[f32; 4]; 4]> {
@@ -144,31 +144,48 @@ fn the_mean_emission_is_the_integral() {
 }
 
 /// The Metropolis methods against path tracing.
-fn against_path_tracing(method: Method, replicas: u32, power: Power) {
+fn against_path_tracing(scene: &Scene, method: Method, replicas: u32, power: Power) {
     const FILM: [u32; 2] = [32, 24];
-    let scene = room();
-    let outcome = render(&scene, &settings(Pt, FILM, 1024));
+    let outcome = render(scene, &settings(Pt, FILM, 2048));
     let variance = [0, 1, 2].map(|c| &outcome.channels[c].values);
     let pixels = (0..outcome.image.pixels.len()).map(|i| variance.map(|v| v[i])).collect();
     let variance = Image { pixels, ..outcome.image };
     let truth = Truth { image: outcome.image, variance: Some(variance), tile: 8 };
-    let images = replicates(&scene, &settings(method, FILM, 150), replicas);
-    check(&format!("textured room by {}", method.name()), &images, &truth, power);
-}
-
-#[test]
-fn a_textured_room_by_emlt() {
-    against_path_tracing(Emlt, 6, Power { film: 0.25, tile: 2.0 });
+    let images = replicates(scene, &settings(method, FILM, 150), replicas);
+    check(&format!("{} by {}", scene.name, method.name()), &images, &truth, power);
 }
 
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
 fn long_textured_room_by_mlt() {
-    against_path_tracing(Mlt, 16, Power { film: 0.05, tile: 0.5 });
+    against_path_tracing(&room(), Mlt, 16, Power { film: 0.05, tile: 0.5 });
 }
 
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
 fn long_textured_room_by_emlt() {
-    against_path_tracing(Emlt, 16, Power { film: 0.05, tile: 0.5 });
+    against_path_tracing(&room(), Emlt, 16, Power { film: 0.05, tile: 0.5 });
+}
+
+/// Points, spots, directions, an environment and a lamp: none of the first three can be hit.
+#[test]
+fn a_lit_room_by_emlt() {
+    against_path_tracing(&lit_room(), Emlt, 4, Power { film: 0.4, tile: 5.0 });
+}
+
+#[test]
+fn a_veiled_room_by_mlt() {
+    against_path_tracing(&veiled_room(), Mlt, 4, Power { film: 0.4, tile: 5.0 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_lit_room_by_mlt() {
+    against_path_tracing(&lit_room(), Mlt, 16, Power { film: 0.05, tile: 0.5 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_veiled_room_by_emlt() {
+    against_path_tracing(&veiled_room(), Emlt, 16, Power { film: 0.05, tile: 0.5 });
 }

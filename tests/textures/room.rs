@@ -1,6 +1,7 @@
 //! A small room with every kind of texture, made by code.
 
-use emlt::scene::material::Textures;
+use emlt::scene::light::{Environment, Light, LightKind};
+use emlt::scene::material::{AlphaMode, Textures};
 use emlt::scene::texture::{IDENTITY, Image, Texture, Wrap};
 use emlt::scene::{Camera, Material, Scene};
 use glam::{Affine3A, Vec2, Vec3, Vec4, vec3};
@@ -76,25 +77,80 @@ pub fn room() -> Scene {
         }],
         ..Scene::default()
     };
-    let mut quad = |corner: Vec3, across: Vec3, up: Vec3, material: u32| {
-        let first = scene.positions.len() as u32;
-        let normal = across.cross(up).normalize();
-        for (u, v) in [(0.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0)] {
-            scene.positions.push(corner + u * across + (1.0 - v) * up);
-            scene.normals.push(normal);
-            scene.coordinates.push([Vec2::new(1.3 * u - 0.2, 2.1 * v - 0.4), Vec2::new(3.0 * u - 1.0, 1.7 * v)]);
-            scene.tangents.push(across.normalize().extend(1.0));
-            scene.colors.push(Vec4::new(1.0 - 0.5 * u, 0.4 + 0.6 * v, 0.9, 1.0));
-        }
-        for triangle in [[0, 1, 2], [0, 2, 3]] {
-            scene.triangles.push(triangle.map(|i| first + i));
-            scene.triangle_materials.push(material);
-        }
-    };
-    quad(vec3(-1.0, 0.0, 1.0), 2.0 * Vec3::X, -2.0 * Vec3::Z, 0);
-    quad(vec3(-1.0, 0.0, -1.0), 2.0 * Vec3::X, 2.0 * Vec3::Y, 1);
-    quad(vec3(-1.0, 0.0, 1.0), -2.0 * Vec3::Z, 2.0 * Vec3::Y, 1);
-    quad(vec3(1.0, 0.0, -1.0), 2.0 * Vec3::Z, 2.0 * Vec3::Y, 1);
-    quad(vec3(-0.6, 1.9, -0.5), 1.2 * Vec3::X, Vec3::Z, 2);
+    quads(&mut scene);
     scene
+}
+
+/// The room without its lamp, before an uneven sky, with a light of every kind.
+pub fn lit_room() -> Scene {
+    let mut scene = room();
+    scene.name = "lit room".into();
+    scene.materials[2].emission *= 0.2;
+    let light = |kind, intensity| Light { kind, intensity };
+    scene.lights = vec![
+        light(LightKind::Point { position: vec3(0.3, 1.2, 0.4) }, vec3(0.9, 0.8, 0.5)),
+        light(
+            LightKind::Spot {
+                position: vec3(-0.5, 1.6, 0.9),
+                direction: vec3(0.3, -0.9, -0.6).normalize(),
+                inner_cosine: 0.95,
+                outer_cosine: 0.85,
+            },
+            vec3(1.0, 2.0, 3.0),
+        ),
+        light(LightKind::Directional { direction: vec3(0.2, -0.3, -0.9).normalize() }, vec3(0.3, 0.2, 0.1)),
+    ];
+    let pixels =
+        (0..16 * 8u32).map(|i| if i == 69 { [9.0, 4.0, 2.0] } else { [0.1, 0.1, f32::from(noise(i)) / 512.0] });
+    scene.environment = Some(Environment { width: 16, height: 8, pixels: pixels.collect() });
+    scene
+}
+
+/// The room with a screen with holes and a veil before the camera, in an uneven sky.
+pub fn veiled_room() -> Scene {
+    let mut scene = lit_room();
+    scene.name = "veiled room".into();
+    scene.lights.clear();
+    let coat = Material { metallic: 0.0, roughness: 0.25, vertex_colored: false, ..scene.materials[1].clone() };
+    scene
+        .images
+        .push(image(8, 8, |x, y| [200, 60, 90, if (x + y) % 3 == 0 { 20 } else { noise(x + 8 * y) / 2 + 127 }]));
+    let painted = |linear| Textures { base_color: Some(Texture { linear, ..texture(4, true) }), ..Textures::default() };
+    let screen =
+        Material { name: "screen".into(), alpha_mode: AlphaMode::Mask(0.4), textures: painted(false), ..coat.clone() };
+    let veil = Material {
+        name: "veil".into(),
+        alpha_mode: AlphaMode::Blend,
+        base_alpha: 0.7,
+        textures: painted(true),
+        ..coat
+    };
+    scene.materials.extend([screen, veil]);
+    quad(&mut scene, vec3(-0.9, 0.1, 0.1), Vec3::X, 1.1 * Vec3::Y, 3);
+    quad(&mut scene, vec3(0.0, 0.2, 0.5), vec3(0.9, 0.0, 0.3), 1.2 * Vec3::Y, 4);
+    scene
+}
+
+fn quad(scene: &mut Scene, corner: Vec3, across: Vec3, up: Vec3, material: u32) {
+    let first = scene.positions.len() as u32;
+    let normal = across.cross(up).normalize();
+    for (u, v) in [(0.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0)] {
+        scene.positions.push(corner + u * across + (1.0 - v) * up);
+        scene.normals.push(normal);
+        scene.coordinates.push([Vec2::new(1.3 * u - 0.2, 2.1 * v - 0.4), Vec2::new(3.0 * u - 1.0, 1.7 * v)]);
+        scene.tangents.push(across.normalize().extend(1.0));
+        scene.colors.push(Vec4::new(1.0 - 0.5 * u, 0.4 + 0.6 * v, 0.9, 1.0));
+    }
+    for triangle in [[0, 1, 2], [0, 2, 3]] {
+        scene.triangles.push(triangle.map(|i| first + i));
+        scene.triangle_materials.push(material);
+    }
+}
+
+fn quads(scene: &mut Scene) {
+    quad(scene, vec3(-1.0, 0.0, 1.0), 2.0 * Vec3::X, -2.0 * Vec3::Z, 0);
+    quad(scene, vec3(-1.0, 0.0, -1.0), 2.0 * Vec3::X, 2.0 * Vec3::Y, 1);
+    quad(scene, vec3(-1.0, 0.0, 1.0), -2.0 * Vec3::Z, 2.0 * Vec3::Y, 1);
+    quad(scene, vec3(1.0, 0.0, -1.0), 2.0 * Vec3::Z, 2.0 * Vec3::Y, 1);
+    quad(scene, vec3(-0.6, 1.9, -0.5), 1.2 * Vec3::X, Vec3::Z, 2);
 }

@@ -64,6 +64,11 @@ impl File {
         self.json.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
     }
 
+    /// A top-level extension of the JSON, untyped.
+    pub fn extension(&self, name: &str) -> Option<&Value> {
+        self.json.get("extensions").and_then(|extensions| extensions.get(name))
+    }
+
     /// The bytes of `buffers[index]`, which may be fewer or more than its byteLength says.
     pub fn buffer(&self, index: usize) -> Result<&[u8], String> {
         let (Some(buffer), Some(cell)) = (self.root.buffers.get(index), self.buffers.get(index)) else {

@@ -3,13 +3,13 @@
 use glam::Vec3;
 use gltf::json;
 use gltf::json::Value;
-use gltf::json::material::AlphaMode;
+use gltf::json::material::AlphaMode as FileAlpha;
 use gltf::json::validation::Checked;
 
 use super::notes::{Feature, MATERIAL_EXTENSIONS, Notes};
 use super::texture::Reader;
 use crate::scene::Material;
-use crate::scene::material::Textures;
+use crate::scene::material::{AlphaMode, Textures};
 
 /// Whether light passes a transmissive material refracted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,7 +42,7 @@ pub fn convert(material: &json::Material, raw: &Value, colored: bool, mut reader
     let emissive_strength =
         extensions.and_then(|e| e.emissive_strength.as_ref()).map_or(1.0, |e| e.emissive_strength.0);
 
-    let [red, green, blue, _] = pbr.base_color_factor.0;
+    let [red, green, blue, base_alpha] = pbr.base_color_factor.0;
     let mut converted = Material {
         name: material.name.clone().unwrap_or_else(|| format!("material {index}")),
         base_color: Vec3::new(red, green, blue),
@@ -55,6 +55,12 @@ pub fn convert(material: &json::Material, raw: &Value, colored: bool, mut reader
         thin: true,
         emission: emissive_strength * Vec3::from_array(material.emissive_factor.0),
         double_sided: material.double_sided,
+        base_alpha,
+        alpha_mode: match material.alpha_mode {
+            Checked::Valid(FileAlpha::Mask) => AlphaMode::Mask(material.alpha_cutoff.map_or(0.5, |c| c.0)),
+            Checked::Valid(FileAlpha::Blend) => AlphaMode::Blend,
+            _ => AlphaMode::Opaque,
+        },
         vertex_colored: colored,
         textures: Textures::default(),
         mapped_alpha: None,
@@ -71,6 +77,11 @@ pub fn convert(material: &json::Material, raw: &Value, colored: bool, mut reader
         };
     }
     check(&mut converted)?;
+    // Glass lets light through as it is; what covers it is not told apart.
+    if converted.transmission > 0.0 && converted.alpha_mode == AlphaMode::Blend {
+        converted.alpha_mode = AlphaMode::Opaque;
+        reader.notes.add(Feature::GlassAlpha, index);
+    }
     textures(&mut converted, raw, &mut reader)?;
     note_unsupported(material, index, reader.notes);
 
@@ -94,9 +105,10 @@ fn textures(material: &mut Material, raw: &Value, reader: &mut Reader) -> Result
         reader.texture(info, &pointer.replace('/', "."), srgb)
     };
     let specular = material.specular > 0.0;
+    let colored = material.base_color != Vec3::ZERO || material.alpha_mode != AlphaMode::Opaque;
     let extension = |name: &str| format!("/extensions/KHR_materials_{name}");
     material.textures = Textures {
-        base_color: read("/pbrMetallicRoughness/baseColorTexture", true, material.base_color != Vec3::ZERO)?,
+        base_color: read("/pbrMetallicRoughness/baseColorTexture", true, colored)?,
         metallic_roughness: read("/pbrMetallicRoughness/metallicRoughnessTexture", false, material.is_specular())?,
         emissive: read("/emissiveTexture", true, material.emits())?,
         normal: read("/normalTexture", false, true)?.map(|texture| {
@@ -132,8 +144,13 @@ fn textures(material: &mut Material, raw: &Value, reader: &mut Reader) -> Result
 
 /// Refuses what is no number and brings the rest into the ranges of glTF.
 fn check(material: &mut Material) -> Result<(), String> {
+    let cutoff = match material.alpha_mode {
+        AlphaMode::Mask(cutoff) => cutoff,
+        _ => 0.0,
+    };
     let values = [
-        ("pbrMetallicRoughness.baseColorFactor", material.base_color.is_finite()),
+        ("pbrMetallicRoughness.baseColorFactor", material.base_color.is_finite() && material.base_alpha.is_finite()),
+        ("alphaCutoff", cutoff.is_finite()),
         ("pbrMetallicRoughness.metallicFactor", material.metallic.is_finite()),
         ("pbrMetallicRoughness.roughnessFactor", material.roughness.is_finite()),
         ("emissiveFactor times emissiveStrength", material.emission.is_finite()),
@@ -164,10 +181,7 @@ fn note_unsupported(material: &json::Material, index: usize, notes: &mut Notes) 
     let attenuates = |v: &&json::extensions::material::Volume| {
         v.attenuation_distance.0.is_finite() && v.attenuation_color.0 != [1.0; 3]
     };
-    let features = [
-        (Feature::Alpha, material.alpha_mode != Checked::Valid(AlphaMode::Opaque)),
-        (Feature::Attenuation, volume.filter(attenuates).is_some()),
-    ];
+    let features = [(Feature::Attenuation, volume.filter(attenuates).is_some())];
     for (feature, _) in features.iter().filter(|(_, present)| *present) {
         notes.add(*feature, index);
     }

@@ -10,7 +10,7 @@ pub enum Feature {
     /// Materials whose textures use more sets of coordinates than vertices keep.
     ManyCoordinates,
     /// Materials.
-    Alpha,
+    GlassAlpha,
     /// Materials.
     Unlit,
     /// Materials.
@@ -21,8 +21,6 @@ pub enum Feature {
     PointsOrLines,
     /// Cameras.
     Orthographic,
-    /// Nodes.
-    PunctualLight,
 }
 
 /// Extensions that add something to a material that the renderer does not have yet, and what they add.
@@ -68,8 +66,8 @@ impl Notes {
                          without some textures."
                     )
                 }
-                Feature::Alpha => {
-                    format!("Alpha masks and blending are not supported yet: {materials} rendered opaque.")
+                Feature::GlassAlpha => {
+                    format!("Alpha blending of glass (alphaMode BLEND with transmission) is ignored in {materials}.")
                 }
                 Feature::Unlit => {
                     format!("Unlit materials are not supported: {materials} rendered as matt ones.")
@@ -86,9 +84,6 @@ impl Notes {
                 }
                 Feature::Orthographic => {
                     format!("Orthographic cameras are not supported: {} left out.", counted(n as u64, "camera"))
-                }
-                Feature::PunctualLight => {
-                    format!("Punctual lights are not supported yet: {} left out.", counted(n as u64, "light"))
                 }
             };
             sentences.push(sentence);

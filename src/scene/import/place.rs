@@ -49,6 +49,9 @@ pub fn add_triangles(
         });
         faces.push(Face { vertices, positions, normals, normal });
     }
+    if scene.materials[material as usize].is_plain() && scene.materials[material as usize].is_masked_out() {
+        return Ok(0);
+    }
     let mapped = scene.materials[material as usize].textures.normal.is_some();
     let tangents = if mapped { tangents_of(scene, triangles, material, &faces, world_from_mesh) } else { Vec::new() };
     // Scene vertex of each smooth vertex of the primitive that is in use, by the sign of its bitangent.

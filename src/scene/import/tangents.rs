@@ -70,7 +70,7 @@ mod tests {
         let near = |a: DVec4, b: DVec4| assert!((a - b).length() < 1e-12, "{a} {b}");
         near(made[0][0], DVec4::new(1.0, 0.0, 0.0, 1.0));
         near(made[1][1], DVec4::new(-1.0, 0.0, 0.0, -1.0));
-        near(made[2][2], DVec4::new(0.0, -1.0, 0.0, 1.0));
+        near(made[2][0], DVec4::new(0.0, -1.0, 0.0, 1.0));
         assert!(made[3][0].truncate().dot(DVec3::Z).abs() < 1e-12 && made[3][0].is_finite());
     }
 }
