@@ -101,8 +101,8 @@ pub const NO_TRIANGLE: u32 = u32::MAX;
 
 /// Rows of vec4 a material takes in `tables` (`MATERIAL_ROWS`).
 pub const MATERIAL_ROWS: usize = 4;
-/// The same where materials have textures or an alpha.
-pub const EXTENDED_ROWS: usize = 7;
+/// The same where materials have textures, an alpha or absorb light.
+pub const EXTENDED_ROWS: usize = 8;
 
 #[cfg(test)]
 mod tests {

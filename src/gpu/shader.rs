@@ -242,7 +242,8 @@ mod tests {
                 ..Features::default()
             },
             Features { blended: true, ..Features::default() },
-            Features { mixed: true, ..Features::default() },
+            Features { mixed: true, absorbing: true, ..Features::default() },
+            Features { absorbing: true, ..Features::default() },
             Features { mixed: true, environment: true, ..Features::default() },
             Features { textured: true, blended: true, masked: true, ..Features::default() },
         ];

@@ -47,6 +47,9 @@ pub fn materials(scene: &Scene, features: Features, threshold: f32, lights: usiz
                 AlphaMode::Blend => (0.0, 2.0),
             };
             rows.push([material.base_alpha, cutoff, mode, 0.0].map(f32::to_bits));
+            // Per unit of the sphere's radius.
+            let sigma = material.absorption * scene.bounding_sphere().1;
+            rows.push([sigma.x, sigma.y, sigma.z, 0.0].map(f32::to_bits));
         }
     }
     (rows, textures)

@@ -1,5 +1,7 @@
 //! What a scene needs, and so what is compiled into its shaders: untaken branches cost full price on software Vulkan.
 
+use glam::Vec3;
+
 use super::Scene;
 use super::light::LightKind;
 use super::material::{AlphaMode, GLOSSY_AS_SPECULAR_ALPHA};
@@ -37,6 +39,8 @@ pub struct Features {
     pub masked: bool,
     /// Some material covers in part what lies behind (alphaMode BLEND).
     pub blended: bool,
+    /// Some solid glass absorbs light inside.
+    pub absorbing: bool,
 }
 
 impl Features {
@@ -73,6 +77,7 @@ impl Features {
             features.second_coordinates |= material.textures.all().any(|texture| texture.slot > 0);
             features.normal_mapped |= material.textures.normal.is_some();
             features.vertex_colored |= material.vertex_colored;
+            features.absorbing |= transmits && !material.thin && material.absorption != Vec3::ZERO;
             // An alpha that is the same everywhere is decided at import.
             features.masked |= matches!(material.alpha_mode, AlphaMode::Mask(_)) && !material.is_plain();
             if material.alpha_mode == AlphaMode::Blend {
@@ -88,11 +93,11 @@ impl Features {
 
     /// Whether materials have more than factors: rows of textures and coverage.
     pub fn extended(&self) -> bool {
-        self.textured || self.masked || self.blended
+        self.textured || self.masked || self.blended || self.absorbing
     }
 
     /// Every flag with its name, as the shaders call it.
-    pub fn flags(&self) -> [(&'static str, bool); 16] {
+    pub fn flags(&self) -> [(&'static str, bool); 17] {
         [
             ("glossy", self.glossy),
             ("mirror", self.mirror),
@@ -109,6 +114,7 @@ impl Features {
             ("emission_mapped", self.emission_mapped),
             ("masked", self.masked),
             ("blended", self.blended),
+            ("absorbing", self.absorbing),
             ("extended", self.extended()),
         ]
     }

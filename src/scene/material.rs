@@ -32,6 +32,8 @@ pub struct Material {
     pub transmission: f32,
     /// Transmission without refraction (KHR_materials_volume: thicknessFactor 0).
     pub thin: bool,
+    /// KHR_materials_volume: absorption coefficient inside solid glass, per unit of the file.
+    pub absorption: Vec3,
     /// Radiance: emissiveFactor * emissiveStrength.
     pub emission: Vec3,
     /// Emits on both sides; reflection is two-sided in any case.
@@ -107,6 +109,7 @@ impl Default for Material {
             specular_color: Vec3::ONE,
             transmission: 0.0,
             thin: true,
+            absorption: Vec3::ZERO,
             emission: Vec3::ZERO,
             double_sided: false,
             base_alpha: 1.0,

@@ -36,7 +36,7 @@ fn unsupported_material_features_are_said_once() {
             "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_volume": { "thicknessFactor": 0,
             "attenuationDistance": 1, "attenuationColor": [1, 0, 0] } } }))
     .scene();
-    for part in ["Alpha blending of glass", "KHR_materials_clearcoat", "KHR_materials_sheen", "Attenuation"] {
+    for part in ["Alpha blending of glass", "KHR_materials_clearcoat", "KHR_materials_sheen"] {
         assert!(warned(&scene, part), "{part}: {:?}", scene.warnings);
     }
     assert!(scene.materials[0].thin && scene.sky.is_some());
@@ -101,6 +101,16 @@ fn glass_closed_over_several_primitives_refracts() {
     doc.root(json!({ "mesh": mesh }));
     let scene = doc.scene();
     assert!(scene.materials.len() == 1 && !scene.materials[0].thin);
+}
+
+#[test]
+fn attenuation_is_beers_law() {
+    let scene = with_material(json!({ "extensions": { "KHR_materials_transmission": { "transmissionFactor": 1 },
+        "KHR_materials_volume": { "thicknessFactor": 1, "attenuationDistance": 0.5, "attenuationColor": [1, 0.5, 0] } } }))
+    .scene();
+    let sigma = scene.materials[0].absorption;
+    assert!(sigma.x == 0.0 && (sigma.y - 2.0 * 2f32.ln()).abs() < 1e-6 && sigma.z > 20.0, "{sigma}");
+    assert!(Features::of(&scene).absorbing);
 }
 
 #[test]

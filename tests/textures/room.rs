@@ -106,7 +106,7 @@ pub fn lit_room() -> Scene {
     scene
 }
 
-/// The room with a screen with holes and a veil before the camera, in an uneven sky.
+/// The room with a screen with holes, a veil and a block of tinted glass, in an uneven sky.
 pub fn veiled_room() -> Scene {
     let mut scene = lit_room();
     scene.name = "veiled room".into();
@@ -125,7 +125,22 @@ pub fn veiled_room() -> Scene {
         textures: painted(true),
         ..coat
     };
-    scene.materials.extend([screen, veil]);
+    let glass = Material {
+        name: "tinted glass".into(),
+        metallic: 0.0,
+        roughness: 0.0,
+        transmission: 1.0,
+        thin: false,
+        absorption: vec3(0.5, 2.0, 5.0),
+        ..Material::default()
+    };
+    scene.materials.extend([screen, veil, glass]);
+    let (low, size) = (vec3(-0.7, 0.05, -0.7), 0.6);
+    for axis in 0..3 {
+        let [n, a, b] = [0, 1, 2].map(|i| size * Vec3::AXES[(axis + i) % 3]);
+        quad(&mut scene, low + n, a, b, 5);
+        quad(&mut scene, low, b, a, 5);
+    }
     quad(&mut scene, vec3(-0.9, 0.1, 0.1), Vec3::X, 1.1 * Vec3::Y, 3);
     quad(&mut scene, vec3(0.0, 0.2, 0.5), vec3(0.9, 0.0, 0.3), 1.2 * Vec3::Y, 4);
     scene

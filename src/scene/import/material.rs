@@ -53,6 +53,7 @@ pub fn convert(material: &json::Material, raw: &Value, colored: bool, mut reader
         specular_color: specular.map_or(Vec3::ONE, |s| Vec3::from_array(s.specular_color_factor.0)),
         transmission: transmission.map_or(0.0, |t| t.transmission_factor.0),
         thin: true,
+        absorption: volume.map_or(Vec3::ZERO, absorption),
         emission: emissive_strength * Vec3::from_array(material.emissive_factor.0),
         double_sided: material.double_sided,
         base_alpha,
@@ -142,6 +143,15 @@ fn textures(material: &mut Material, raw: &Value, reader: &mut Reader) -> Result
     Ok(())
 }
 
+/// Beer's law: after the attenuation distance, the attenuation colour is left. Black absorbs as good as all.
+fn absorption(volume: &json::extensions::material::Volume) -> Vec3 {
+    let (color, distance) = (volume.attenuation_color.0, volume.attenuation_distance.0);
+    if !(distance > 0.0 && distance.is_finite()) {
+        return Vec3::ZERO;
+    }
+    Vec3::from_array(color.map(|c| -c.clamp(1e-6, 1.0).ln() / distance)).max(Vec3::ZERO)
+}
+
 /// Refuses what is no number and brings the rest into the ranges of glTF.
 fn check(material: &mut Material) -> Result<(), String> {
     let cutoff = match material.alpha_mode {
@@ -156,6 +166,7 @@ fn check(material: &mut Material) -> Result<(), String> {
         ("emissiveFactor times emissiveStrength", material.emission.is_finite()),
         ("KHR_materials_ior", material.ior.is_finite()),
         ("KHR_materials_specular", material.specular.is_finite() && material.specular_color.is_finite()),
+        ("KHR_materials_volume", material.absorption.is_finite()),
         ("KHR_materials_transmission", material.transmission.is_finite()),
     ];
     if let Some((what, _)) = values.iter().find(|(_, finite)| !finite) {
@@ -177,14 +188,6 @@ fn check(material: &mut Material) -> Result<(), String> {
 /// Notes every part of `material` that rendering will ignore.
 fn note_unsupported(material: &json::Material, index: usize, notes: &mut Notes) {
     let extensions = material.extensions.as_ref();
-    let volume = extensions.and_then(|e| e.volume.as_ref());
-    let attenuates = |v: &&json::extensions::material::Volume| {
-        v.attenuation_distance.0.is_finite() && v.attenuation_color.0 != [1.0; 3]
-    };
-    let features = [(Feature::Attenuation, volume.filter(attenuates).is_some())];
-    for (feature, _) in features.iter().filter(|(_, present)| *present) {
-        notes.add(*feature, index);
-    }
     for (name, _) in MATERIAL_EXTENSIONS {
         if extensions.is_some_and(|e| e.others.contains_key(name)) {
             notes.add(Feature::MaterialExtension(name), index);

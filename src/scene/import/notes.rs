@@ -13,8 +13,6 @@ pub enum Feature {
     GlassAlpha,
     /// Materials.
     Unlit,
-    /// Materials.
-    Attenuation,
     /// Materials with an extension of this name.
     MaterialExtension(&'static str),
     /// Meshes.
@@ -71,9 +69,6 @@ impl Notes {
                 }
                 Feature::Unlit => {
                     format!("Unlit materials are not supported: {materials} rendered as matt ones.")
-                }
-                Feature::Attenuation => {
-                    format!("Attenuation inside volumes is not supported yet: {materials} rendered clear.")
                 }
                 Feature::MaterialExtension(name) => {
                     let what = MATERIAL_EXTENSIONS.iter().find(|(key, _)| *key == name).map_or(name, |(_, what)| what);
