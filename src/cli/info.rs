@@ -8,18 +8,26 @@ use clap::Args;
 use crate::Result;
 use crate::kernels;
 use crate::methods::{Method, default_mix};
-use crate::scene::{Features, Scene, import::import};
+use crate::scene::light::{Light, LightKind};
+use crate::scene::{Features, Scene, environment, import::import};
 
 /// Say what is in a scene: triangles, materials, cameras, lights, size, features
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// The scene: a glTF 2.0 file (.glb or .gltf)
     scene: PathBuf,
+
+    /// Light from all around, as for 'emlt render'
+    #[arg(long, value_name = "FILE")]
+    env: Option<PathBuf>,
 }
 
 /// Prints the summary on standard output and the import's warnings on standard error.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let scene = import(&arguments.scene)?;
+    let mut scene = import(&arguments.scene)?;
+    if let Some(path) = &arguments.env {
+        scene.set_environment(environment::read(path)?);
+    }
     for warning in &scene.warnings {
         super::say("warning", warning);
     }
@@ -37,6 +45,11 @@ fn summary(scene: &Scene) -> String {
     row("triangles", format!("{} with {} vertices", scene.triangles.len(), scene.positions.len()));
     let materials: Vec<String> = scene.materials.iter().map(|m| format!("'{}'", m.name)).collect();
     row("materials", counted(&materials));
+    if !scene.images.is_empty() {
+        let texels: usize = scene.images.iter().map(|image| image.texels.len()).sum();
+        let mapped = scene.materials.iter().filter(|m| m.textures.all().next().is_some()).count();
+        row("textures", format!("{} images of {texels} texels in {mapped} materials", scene.images.len()));
+    }
     for (i, camera) in scene.cameras.iter().enumerate() {
         let aspect = camera.aspect.map(|a| format!(", aspect {a:.3}")).unwrap_or_default();
         let default = if i == 0 { " (the default)" } else { "" };
@@ -86,9 +99,19 @@ fn lights(scene: &Scene) -> String {
             area += 0.5 * (b - a).cross(c - a).length();
         }
     }
+    let kinds = [("point", 0), ("spot", 1), ("directional", 2)].map(|(name, kind)| {
+        let of_kind = |light: &&Light| match light.kind {
+            LightKind::Point { .. } => kind == 0,
+            LightKind::Spot { .. } => kind == 1,
+            LightKind::Directional { .. } => kind == 2,
+        };
+        let n = scene.lights.iter().filter(of_kind).count();
+        (n > 0).then(|| format!("{n} {name} {}", if n == 1 { "light" } else { "lights" }))
+    });
+    let map = scene.environment.as_ref().map(|e| format!("an environment of {}x{} pixels", e.width, e.height));
     let sky = scene.sky.map(|s| format!("a uniform sky of radiance {:.3} {:.3} {:.3}", s.x, s.y, s.z));
     let triangles = (count > 0).then(|| format!("{count} emissive triangles of area {area:.4}"));
-    let parts: Vec<String> = [triangles, sky].into_iter().flatten().collect();
+    let parts: Vec<String> = [triangles, sky, map].into_iter().chain(kinds).flatten().collect();
     if parts.is_empty() { "none".into() } else { parts.join(", ") }
 }
 

@@ -179,7 +179,8 @@ impl Start {
 
     /// Begins what [`Self::run`] does at once; nothing is made yet.
     pub fn begin(&self, run: &Run) -> Starting {
-        let strategies = Strategies::uniform(self.min_edges..=self.max_edges, self.features.sky);
+        let only_sky = self.features.sky && !self.features.mixed;
+        let strategies = Strategies::uniform(self.min_edges..=self.max_edges, only_sky);
         let draw = self.draw(run, &strategies, PILOT, PILOT_PASSES[0]);
         Starting { strategies, pixel_weights: None, rays: 0, candidates: self.candidates, draw }
     }

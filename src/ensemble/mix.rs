@@ -120,8 +120,9 @@ mod tests {
     use crate::ensemble::pool::Tag::{Diffuse as D, Transmission as T};
     use crate::kernels::{caustic, guided_lens, lens, multi_chain};
 
-    const MIRRORS: Features =
-        Features { glossy: false, mirror: true, glass: true, rough_glass: false, narrow: false, sky: false };
+    fn mirrors() -> Features {
+        Features { mirror: true, glass: true, ..Features::default() }
+    }
 
     fn mix(features: Features) -> Mix {
         let weights = [
@@ -136,10 +137,10 @@ mod tests {
 
     #[test]
     fn a_rota_follows_the_weights_of_what_applies() {
-        let mix = mix(MIRRORS);
+        let mix = mix(mirrors());
         let name = |i: &usize| mix.kernels[*i].0.name;
         let passes = mix.perturbation_passes() as usize;
-        let rota = |tags| mix.rota(TypeKey::from_tags(tags), MIRRORS);
+        let rota = |tags| mix.rota(TypeKey::from_tags(tags), mirrors());
         let lens_type = rota(&[D, D]);
         assert_eq!(lens_type.len(), passes);
         let guided = lens_type.iter().filter(|i| name(i) == "guided-lens").count();

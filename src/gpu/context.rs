@@ -125,6 +125,8 @@ pub fn limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
     wgpu::Limits {
         max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
         max_buffer_size: offered.max_buffer_size,
+        // 8 do for scenes without textures; every desktop driver offers more.
+        max_storage_buffers_per_shader_stage: offered.max_storage_buffers_per_shader_stage.min(16),
         ..wgpu::Limits::default()
     }
 }

@@ -94,8 +94,15 @@ pub const JUMP_SCALE: f64 = 16.0;
 /// Units per 1.0 of a film channel (`FILM_SCALE`).
 pub const FILM_SCALE: f64 = 4_194_304.0;
 
+/// First code of a light that is no triangle (`PUNCTUAL` in shaders/light/sources.wesl), and the code of what lies at
+/// infinity (`NO_TRIANGLE`).
+pub const PUNCTUAL: u32 = 0xff00_0000;
+pub const NO_TRIANGLE: u32 = u32::MAX;
+
 /// Rows of vec4 a material takes in `tables` (`MATERIAL_ROWS`).
 pub const MATERIAL_ROWS: usize = 4;
+/// The same where materials have textures, an alpha or absorb light.
+pub const EXTENDED_ROWS: usize = 8;
 
 #[cfg(test)]
 mod tests {
@@ -209,5 +216,12 @@ mod tests {
         assert_eq!(value("COUNTER_JUMP_HIGH"), COUNTER_JUMP_HIGH as f64);
         assert_eq!(value("FILM_SCALE"), FILM_SCALE);
         assert_eq!(value("MATERIAL_ROWS"), MATERIAL_ROWS as f64);
+        let features = Features { textured: true, ..Features::default() };
+        let variant = Variant { pass: "camera_side", features, max_edges: 12, flags: vec![] };
+        let textured = validate(&compose(&variant).unwrap()).unwrap();
+        let rows =
+            textured.constants.iter().find(|(_, c)| c.name.as_deref().is_some_and(|n| n.ends_with("MATERIAL_ROWS")));
+        let init = textured.global_expressions[rows.unwrap().1.init].clone();
+        assert_eq!(init, naga::Expression::Literal(Literal::U32(EXTENDED_ROWS as u32)));
     }
 }

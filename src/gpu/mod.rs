@@ -2,10 +2,12 @@
 
 pub mod context;
 pub mod layout;
+mod lights;
 pub mod pipelines;
 pub mod run;
 pub mod scene;
 pub mod shader;
+pub mod surface;
 
 /// A bind group layout of buffers for compute, in binding order; the binding `dynamic` takes an offset per dispatch.
 fn buffer_layout(

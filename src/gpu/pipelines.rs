@@ -128,7 +128,9 @@ fn from_the_end(
 ) -> Vec<usize> {
     let mut taken = Vec::new();
     let Ok(context) = open() else { return taken };
-    let Ok(mut run) = Run::new(&context, &SceneData::nothing(), Sizes::default()) else { return taken };
+    // All are for one scene.
+    let Some(features) = variants.first().map(|variant| variant.features) else { return taken };
+    let Ok(mut run) = Run::new(&context, &SceneData::nothing(features), Sizes::default()) else { return taken };
     while let Some(i) = take(left, Range::next_back) {
         taken.push(i);
         if run.once(&variants[i]).is_err() {

@@ -4,10 +4,11 @@ use glam::{DVec3, Vec3};
 use wgpu::util::DeviceExt;
 
 use super::context::Context;
-use super::layout::{MATERIAL_ROWS, SceneUniform};
+use super::layout::SceneUniform;
+use super::{lights, surface};
 use crate::accel;
 use crate::scene::material::GLOSSY_AS_SPECULAR_ALPHA;
-use crate::scene::{Camera, Material, Scene};
+use crate::scene::{Camera, Features, Scene};
 use crate::{Error, Result};
 
 /// Plain data of bind group 0, made without a device.
@@ -15,17 +16,18 @@ use crate::{Error, Result};
 pub struct SceneData {
     pub uniform: SceneUniform,
     pub nodes: Vec<[u32; 20]>,
-    /// v0, v1 - v0, v2 - v0 per triangle.
+    /// v0, v1 - v0, v2 - v0 per triangle; where emission is textured, the first has its mean luminance beside it.
     pub triangles: Vec<[f32; 4]>,
     /// Octahedral normals and material per triangle.
     pub shading: Vec<[u32; 4]>,
-    /// Materials, then the alias table.
+    /// Materials, then the alias table, then the textures.
     pub tables: Vec<[u32; 4]>,
+    /// What the triangles' corners have besides, and the images; empty where no material needs them.
+    pub corners: Vec<u32>,
+    pub texels: Vec<u32>,
     /// Centre and radius of what becomes the unit sphere.
     sphere: (Vec3, f32),
 }
-
-const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
 impl SceneData {
     /// Packs `scene` as seen by `camera` on a film of the given size in pixels.
@@ -44,34 +46,45 @@ impl SceneData {
         let corners: Vec<[Vec3; 3]> = scene.triangles.iter().map(|t| t.map(|i| positions[i as usize])).collect();
         let accel = accel::build(&corners)?;
 
+        let features = Features::with_threshold(scene, threshold);
+        let emission = scene.mean_emission();
         let mut triangles = Vec::with_capacity(3 * corners.len());
         let mut shading = Vec::with_capacity(corners.len());
         for &source in &accel.order {
             let [a, b, c] = corners[source as usize];
-            for v in [a, b - a, c - a] {
-                triangles.push([v.x, v.y, v.z, 0.0]);
+            let mean = if features.emission_mapped { emission[source as usize] as f32 } else { 0.0 };
+            for (v, w) in [(a, mean), (b - a, 0.0), (c - a, 0.0)] {
+                triangles.push([v.x, v.y, v.z, w]);
             }
-            let n = scene.triangles[source as usize].map(|i| encode_octahedral(scene.normals[i as usize]));
+            let n = scene.triangles[source as usize].map(|i| surface::encode_octahedral(scene.normals[i as usize]));
             shading.push([n[0], n[1], n[2], scene.triangle_materials[source as usize]]);
         }
 
-        let mut tables: Vec<[u32; 4]> = Vec::new();
-        for material in &scene.materials {
-            tables.extend(pack_material(material, threshold));
+        let (mut weights, mut emitters) = lights::emitters(scene, &accel.order, &corners, &emission);
+        let others = lights::others(scene, radius);
+        others.add_to(&mut weights, &mut emitters);
+        let lights_rows = weights.len() + if features.mixed { lights::HEADER_ROWS } else { 0 };
+        let (mut tables, textures) = surface::materials(scene, features, threshold, lights_rows);
+        let lights_offset = tables.len() + lights_rows - weights.len();
+        if features.mixed {
+            tables.extend(others.header(tables.len() + lights_rows + textures.len()));
         }
-        let lights_offset = tables.len() as u32;
-        let (weights, emitters) = light_weights(scene, &accel.order, &corners);
-        tables.extend(alias_table(&weights, &emitters));
+        tables.extend(lights::alias_table(&weights, &emitters));
+        tables.extend(textures);
+        tables.extend(others.rows);
 
         let uniform = SceneUniform {
             sky: scene.sky.unwrap_or(Vec3::ZERO).into(),
             light_count: emitters.len() as u32,
             light_weight: weights.iter().sum::<f64>() as f32,
-            lights_offset,
+            lights_offset: lights_offset as u32,
             triangle_count: corners.len() as u32,
             ..Default::default()
         };
-        let mut data = Self { uniform, nodes: accel.nodes, triangles, shading, tables, sphere: (centre, radius) };
+        let corners = surface::corners(scene, features, &accel.order);
+        let texels = if features.textured { surface::texels(scene) } else { Vec::new() };
+        let (nodes, sphere) = (accel.nodes, (centre, radius));
+        let mut data = Self { uniform, nodes, triangles, shading, tables, corners, texels, sphere };
         data.aim(camera, width, height);
         Ok(data)
     }
@@ -95,81 +108,23 @@ impl SceneData {
         };
     }
 
-    /// As little as can be bound: for dispatches of nothing.
-    pub fn nothing() -> Self {
+    /// As little as can be bound where a scene has `features`: for dispatches of nothing.
+    pub fn nothing(features: Features) -> Self {
         Self {
             uniform: SceneUniform::default(),
             nodes: vec![[0; 20]],
             triangles: vec![[0.0; 4]],
             shading: vec![[0; 4]],
             tables: vec![[0; 4]],
+            corners: vec![0; usize::from(features.textured)],
+            texels: vec![0; usize::from(features.textured)],
             sphere: (Vec3::ZERO, 1.0),
         }
     }
 }
 
-/// Two 16-bit signed normalised octahedral coordinates (Cigolle et al. 2014); twin of `decode_octahedral`.
-fn encode_octahedral(n: Vec3) -> u32 {
-    let sum = n.x.abs() + n.y.abs() + n.z.abs();
-    let (mut x, mut y) = (n.x / sum, n.y / sum);
-    if n.z < 0.0 {
-        (x, y) = ((1.0 - y.abs()) * x.signum(), (1.0 - x.abs()) * y.signum());
-    }
-    let snorm = |v: f32| ((v.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16) as u32;
-    snorm(x) | (snorm(y) << 16)
-}
-
-/// Four rows as `material_at` in shaders/bsdf/material.wesl reads them.
-fn pack_material(m: &Material, threshold: f32) -> [[u32; 4]; MATERIAL_ROWS] {
-    let reflectance = ((m.ior - 1.0) / (m.ior + 1.0)).powi(2);
-    let f0 = (reflectance * m.specular_color).min(Vec3::ONE) * m.specular;
-    let alpha = if m.is_narrow(threshold) { -m.alpha() } else { m.alpha() };
-    let sides = if m.double_sided { 2.0 } else { 1.0 };
-    let thin = if m.thin { 1.0 } else { 0.0 };
-    [
-        [m.base_color.x, m.base_color.y, m.base_color.z, m.metallic],
-        [f0.x, f0.y, f0.z, m.specular],
-        [m.emission.x, m.emission.y, m.emission.z, alpha],
-        [m.transmission, m.ior, thin, sides],
-    ]
-    .map(|row| row.map(f32::to_bits))
-}
-
-/// Selection weight (area * sides * luminance) and leaf position of every emissive triangle.
-fn light_weights(scene: &Scene, order: &[u32], corners: &[[Vec3; 3]]) -> (Vec<f64>, Vec<u32>) {
-    let mut weights = Vec::new();
-    let mut emitters = Vec::new();
-    for (leaf, &source) in order.iter().enumerate() {
-        let material = &scene.materials[scene.triangle_materials[source as usize] as usize];
-        let luminance = material.emission.dot(LUMINANCE);
-        if luminance > 0.0 {
-            let [a, b, c] = corners[source as usize];
-            let area = 0.5 * f64::from((b - a).cross(c - a).length());
-            let sides = if material.double_sided { 2.0 } else { 1.0 };
-            weights.push(area * sides * f64::from(luminance));
-            emitters.push(leaf as u32);
-        }
-    }
-    (weights, emitters)
-}
-
-/// Rows (threshold, own triangle, other triangle, 0) of an alias table (Walker 1977; Vose 1991).
-fn alias_table(weights: &[f64], emitters: &[u32]) -> Vec<[u32; 4]> {
-    let n = weights.len();
-    let total: f64 = weights.iter().sum();
-    let mut share: Vec<f64> = weights.iter().map(|w| w * n as f64 / total).collect();
-    let mut rows: Vec<[u32; 4]> = emitters.iter().map(|&e| [1f32.to_bits(), e, e, 0]).collect();
-    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| share[i] < 1.0);
-    while let (Some(s), Some(&l)) = (small.pop(), large.last()) {
-        rows[s] = [(share[s] as f32).to_bits(), emitters[s], emitters[l], 0];
-        share[l] -= 1.0 - share[s];
-        if share[l] < 1.0 {
-            large.pop();
-            small.push(l);
-        }
-    }
-    rows
-}
+/// Storage buffers of bind group 1, which share a device's limit with those of the scene.
+const RUN_BUFFERS: usize = 4;
 
 /// Bind group 0 on a device.
 pub struct GpuScene {
@@ -181,17 +136,29 @@ impl GpuScene {
     /// Uploads `data`; an error if a part exceeds what the device can bind.
     pub fn new(context: &Context, data: &SceneData) -> Result<Self> {
         let device = &context.device;
-        let parts: [(&str, &[u8]); 4] = [
-            ("search tree", bytemuck::cast_slice(&data.nodes)),
-            ("triangles", bytemuck::cast_slice(&data.triangles)),
-            ("normals", bytemuck::cast_slice(&data.shading)),
-            ("materials", bytemuck::cast_slice(&data.tables)),
+        let mut parts: Vec<(&str, &[u8], &str)> = vec![
+            ("search tree", bytemuck::cast_slice(&data.nodes), "fewer triangles"),
+            ("triangles", bytemuck::cast_slice(&data.triangles), "fewer triangles"),
+            ("normals", bytemuck::cast_slice(&data.shading), "fewer triangles"),
+            ("materials", bytemuck::cast_slice(&data.tables), "fewer materials and lights"),
         ];
-        let limit = device.limits().max_storage_buffer_binding_size;
-        for (what, bytes) in parts {
+        if !data.texels.is_empty() {
+            parts.push(("texture coordinates", bytemuck::cast_slice(&data.corners), "fewer triangles"));
+            parts.push(("images", bytemuck::cast_slice(&data.texels), "smaller images"));
+        }
+        let limits = device.limits();
+        let most = limits.max_storage_buffers_per_shader_stage as usize;
+        if parts.len() + RUN_BUFFERS > most {
+            let need = parts.len() + RUN_BUFFERS;
+            return Err(Error::runtime(format!(
+                "this scene's textures need {need} storage buffers and this device binds at most {most}: use another device"
+            )));
+        }
+        let limit = limits.max_storage_buffer_binding_size;
+        for (what, bytes, advice) in &parts {
             if bytes.len() as u64 > limit {
                 return Err(Error::input(format!(
-                    "the scene's {what} take {} MiB and this device binds at most {} MiB: use fewer triangles or another device",
+                    "the scene's {what} take {} MiB and this device binds at most {} MiB: use {advice} or another device",
                     bytes.len() >> 20,
                     limit >> 20
                 )));
@@ -201,49 +168,13 @@ impl GpuScene {
             device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
         };
         let uniform = buffer("scene", wgpu::BufferUsages::UNIFORM, bytemuck::bytes_of(&data.uniform));
-        let storage = parts.map(|(label, bytes)| buffer(label, wgpu::BufferUsages::STORAGE, bytes));
+        let storage: Vec<wgpu::Buffer> =
+            parts.iter().map(|(label, bytes, _)| buffer(label, wgpu::BufferUsages::STORAGE, bytes)).collect();
         let mut kinds = vec![wgpu::BufferBindingType::Uniform];
-        kinds.extend([wgpu::BufferBindingType::Storage { read_only: true }; 4]);
+        kinds.resize(1 + storage.len(), wgpu::BufferBindingType::Storage { read_only: true });
         let layout = super::buffer_layout(device, "scene", &kinds, None);
-        let group =
-            super::buffer_group(device, &layout, &[&uniform, &storage[0], &storage[1], &storage[2], &storage[3]], None);
+        let buffers: Vec<&wgpu::Buffer> = std::iter::once(&uniform).chain(&storage).collect();
+        let group = super::buffer_group(device, &layout, &buffers, None);
         Ok(Self { layout, group })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn alias_table_gives_the_weights_back() {
-        let weights = [3.0, 0.5, 0.25, 7.0, 1.25];
-        let emitters = [10, 11, 12, 13, 14];
-        let mut mass = [0.0f64; 5];
-        for row in alias_table(&weights, &emitters) {
-            let keep = f64::from(f32::from_bits(row[0]));
-            mass[row[1] as usize - 10] += keep / 5.0;
-            mass[row[2] as usize - 10] += (1.0 - keep) / 5.0;
-        }
-        for (m, w) in mass.iter().zip(weights) {
-            assert!((m - w / 12.0).abs() < 1e-6, "{mass:?}");
-        }
-    }
-
-    #[test]
-    fn octahedral_code_keeps_directions() {
-        for i in 0..2000 {
-            let (a, z) = (i as f32 * 2.399_963, 1.0 - (i as f32 + 0.5) / 1000.0);
-            let r = (1.0 - z * z).sqrt();
-            let n = Vec3::new(r * a.cos(), r * a.sin(), z);
-            let word = encode_octahedral(n);
-            let x = ((word & 0xffff) as u16 as i16) as f32 / 32767.0;
-            let y = ((word >> 16) as u16 as i16) as f32 / 32767.0;
-            let mut v = Vec3::new(x, y, 1.0 - x.abs() - y.abs());
-            let t = (-v.z).max(0.0);
-            v.x += if v.x >= 0.0 { -t } else { t };
-            v.y += if v.y >= 0.0 { -t } else { t };
-            assert!((v.normalize() - n).length() < 1e-4, "{n} {v}");
-        }
     }
 }

@@ -110,7 +110,7 @@ mod tests {
     /// Every combination of features and every flag set that the renderer or its tests use.
     #[test]
     fn every_shader_of_every_feature_set_validates() {
-        let flag_sets: [(&str, &[&[&str]]); 10] = [
+        let flag_sets: [(&str, &[&[&str]]); 11] = [
             (
                 "bidirectional",
                 &[
@@ -149,6 +149,7 @@ mod tests {
             ("rest", &[&[], &["maps"], &["two_stage"], &["maps", "two_stage"]]),
             ("path_trace", &[&[]]),
             ("bsdf_probe", &[&[], &["probe"]]),
+            ("surface_probe", &[&[]]),
             (
                 "light_side",
                 &[
@@ -226,7 +227,30 @@ mod tests {
                 ],
             ),
         ];
-        for bits in 0..64u32 {
+        // Textures do not touch the rest, so each of their flags has been on and off, with few and with many others.
+        let textured = [
+            Features::default(),
+            Features { textured: true, ..Features::default() },
+            Features { textured: true, second_coordinates: true, emission_mapped: true, ..Features::default() },
+            Features {
+                textured: true,
+                second_coordinates: true,
+                normal_mapped: true,
+                vertex_colored: true,
+                emission_mapped: true,
+                masked: true,
+                ..Features::default()
+            },
+            Features { blended: true, ..Features::default() },
+            Features { mixed: true, absorbing: true, ..Features::default() },
+            Features { absorbing: true, ..Features::default() },
+            Features { mixed: true, environment: true, ..Features::default() },
+            Features { textured: true, blended: true, masked: true, ..Features::default() },
+        ];
+        for (bits, textured) in (0..64u32).flat_map(|bits| textured.map(|textured| (bits, textured))) {
+            if textured != Features::default() && ![0, 63].contains(&bits) {
+                continue;
+            }
             let features = Features {
                 glossy: bits & 1 != 0,
                 mirror: bits & 2 != 0,
@@ -234,6 +258,14 @@ mod tests {
                 rough_glass: bits & 8 != 0,
                 narrow: bits & 16 != 0,
                 sky: bits & 32 != 0,
+                ..textured
+            };
+            // What light goes past is a class of specular vertices.
+            let features = Features {
+                mirror: features.mirror || features.blended,
+                glass: features.glass || features.blended,
+                sky: features.sky || features.environment,
+                ..features
             };
             let specular = features.glass || features.narrow;
             if (specular && !features.mirror) || (features.rough_glass && !features.glossy) {

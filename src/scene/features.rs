@@ -1,7 +1,10 @@
 //! What a scene needs, and so what is compiled into its shaders: untaken branches cost full price on software Vulkan.
 
+use glam::Vec3;
+
 use super::Scene;
-use super::material::GLOSSY_AS_SPECULAR_ALPHA;
+use super::light::LightKind;
+use super::material::{AlphaMode, GLOSSY_AS_SPECULAR_ALPHA};
 
 /// One flag per optional part of the shaders; each is a condition of the same name there.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
@@ -16,8 +19,28 @@ pub struct Features {
     pub rough_glass: bool,
     /// Some specular lobe is not a delta but narrow ([`GLOSSY_AS_SPECULAR_ALPHA`]).
     pub narrow: bool,
-    /// Light comes from a uniform sky, and from nothing else.
+    /// Light comes from infinitely far: from a sky, an environment or a direction.
     pub sky: bool,
+    /// Other light than that of emissive triangles alone, or of a uniform sky alone.
+    pub mixed: bool,
+    /// The sky is an image.
+    pub environment: bool,
+    /// Some material has a texture, or is multiplied by vertex colours.
+    pub textured: bool,
+    /// Some texture uses a second set of coordinates.
+    pub second_coordinates: bool,
+    /// Some material has a normal texture.
+    pub normal_mapped: bool,
+    /// Some material is multiplied by vertex colours.
+    pub vertex_colored: bool,
+    /// Some emissive material has an emissive texture.
+    pub emission_mapped: bool,
+    /// Some material is there in places only (alphaMode MASK).
+    pub masked: bool,
+    /// Some material covers in part what lies behind (alphaMode BLEND).
+    pub blended: bool,
+    /// Some solid glass absorbs light inside.
+    pub absorbing: bool,
 }
 
 impl Features {
@@ -28,7 +51,14 @@ impl Features {
 
     /// The same where lobes with alpha below `threshold` are treated as specular.
     pub fn with_threshold(scene: &Scene, threshold: f32) -> Self {
-        let mut features = Self { sky: scene.sky.is_some(), ..Self::default() };
+        let directions = scene.lights.iter().any(|light| matches!(light.kind, LightKind::Directional { .. }));
+        let environment = scene.environment.is_some();
+        let mut features = Self {
+            sky: scene.sky.is_some() || environment || directions,
+            mixed: environment || !scene.lights.is_empty(),
+            environment,
+            ..Self::default()
+        };
         let mut used = vec![false; scene.materials.len()];
         for &m in &scene.triangle_materials {
             used[m as usize] = true;
@@ -43,12 +73,31 @@ impl Features {
             features.rough_glass |= transmits && !smooth;
             features.mirror |= specular && smooth;
             features.glossy |= specular && !smooth;
+            features.textured |= !material.is_plain();
+            features.second_coordinates |= material.textures.all().any(|texture| texture.slot > 0);
+            features.normal_mapped |= material.textures.normal.is_some();
+            features.vertex_colored |= material.vertex_colored;
+            features.absorbing |= transmits && !material.thin && material.absorption != Vec3::ZERO;
+            // An alpha that is the same everywhere is decided at import.
+            features.masked |= matches!(material.alpha_mode, AlphaMode::Mask(_)) && !material.is_plain();
+            if material.alpha_mode == AlphaMode::Blend {
+                // Light goes past a surface as it goes through glass, as a delta.
+                features.blended = true;
+                features.mirror = true;
+                features.glass = true;
+            }
+            features.emission_mapped |= material.emits() && material.textures.emissive.is_some();
         }
         features
     }
 
+    /// Whether materials have more than factors: rows of textures and coverage.
+    pub fn extended(&self) -> bool {
+        self.textured || self.masked || self.blended || self.absorbing
+    }
+
     /// Every flag with its name, as the shaders call it.
-    pub fn flags(&self) -> [(&'static str, bool); 6] {
+    pub fn flags(&self) -> [(&'static str, bool); 17] {
         [
             ("glossy", self.glossy),
             ("mirror", self.mirror),
@@ -56,6 +105,17 @@ impl Features {
             ("rough_glass", self.rough_glass),
             ("narrow", self.narrow),
             ("sky", self.sky),
+            ("mixed", self.mixed),
+            ("environment", self.environment),
+            ("textured", self.textured),
+            ("second_coordinates", self.second_coordinates),
+            ("normal_mapped", self.normal_mapped),
+            ("vertex_colored", self.vertex_colored),
+            ("emission_mapped", self.emission_mapped),
+            ("masked", self.masked),
+            ("blended", self.blended),
+            ("absorbing", self.absorbing),
+            ("extended", self.extended()),
         ]
     }
 }

@@ -8,15 +8,19 @@ mod camera;
 mod closed;
 mod draco;
 mod file;
+mod image;
+mod light;
 mod material;
 mod mesh;
 mod meshopt;
 mod nodes;
 mod notes;
 mod place;
+mod tangents;
+mod texture;
 mod view;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use glam::{DAffine3, Vec3};
@@ -24,20 +28,24 @@ use gltf::json::mesh::Semantic;
 use gltf::json::validation::Checked;
 
 use self::file::File;
-use self::material::Refraction;
-use self::mesh::Triangles;
+use self::material::{Converted, Refraction};
+use self::mesh::{Triangles, Wanted};
 use self::nodes::Instances;
 use self::notes::{Feature, Notes};
+use self::texture::{Images, Reader};
 use crate::Error;
 use crate::scene::{Material, Scene};
 
+/// Said where a sky is made up.
+pub(super) const NO_LIGHT: &str = "The file has no light that can be rendered: a white sky of radiance 1 is added.";
 /// Most triangles in a scene, so that a small file of many instances cannot fill the memory: 1.4 GiB at worst.
 const MAX_TRIANGLES: u64 = 1 << 24;
 /// Extensions that a file may require: the import either honours them or has a sentence of its own about them.
-const KNOWN: [&str; 15] = [
+const KNOWN: [&str; 16] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
+    "EXT_texture_webp",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
@@ -54,12 +62,12 @@ const KNOWN: [&str; 15] = [
 
 /// Reads a .gltf or .glb file: the default scene with its cameras and materials, in world space and the file's units.
 ///
-/// What the renderer cannot do yet is left out and said in [`Scene::warnings`]. Images are not read.
+/// What the renderer cannot do yet is left out and said in [`Scene::warnings`].
 /// A file without a camera gets a framed one called "default"; a file without a light gets a white sky.
 ///
 /// # Errors
 /// [`Error::Input`] with one sentence that names the file and the element: unreadable or malformed files, damaged
-/// compressed data, degenerate cameras, positions that are not finite, no triangles at all, or more than can be rendered.
+/// compressed data or images, degenerate cameras, positions that are not finite, no triangles at all, or more than can be rendered.
 pub fn import(path: &Path) -> crate::Result<Scene> {
     let of_file = |why| Error::input(format!("{} {why}", path.display()));
     let of_element = |why| Error::input(format!("{}: {why}", path.display()));
@@ -77,8 +85,11 @@ struct Importer<'a> {
     file: &'a File,
     scene: Scene,
     notes: Notes,
+    images: Images,
     /// The file's materials that are in use (None: glTF's default one), converted once.
-    converted: HashMap<Option<usize>, (Material, Refraction)>,
+    converted: HashMap<Option<usize>, Converted>,
+    /// Those of vertices that have colours.
+    colored: HashSet<Option<usize>>,
     /// Index into the scene's materials, by the file's material and whether it is thin.
     placed_materials: HashMap<(Option<usize>, bool), u32>,
     /// Whether the triangles of a mesh that have a material are closed.
@@ -89,11 +100,18 @@ struct Importer<'a> {
 
 impl<'a> Importer<'a> {
     fn new(file: &'a File) -> Self {
+        let primitives = file.root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+        let colored = primitives
+            .filter(|p| p.attributes.contains_key(&Checked::Valid(Semantic::Colors(0))))
+            .map(|p| p.material.map(|material| material.value()))
+            .collect();
         Self {
             file,
             scene: Scene::default(),
             notes: Notes::default(),
+            images: Images::default(),
             converted: HashMap::new(),
+            colored,
             placed_materials: HashMap::new(),
             closed: HashMap::new(),
             triangles_read: 0,
@@ -103,8 +121,8 @@ impl<'a> Importer<'a> {
     /// Adds what a node of the file holds.
     fn add_node(&mut self, index: usize, world_from_node: DAffine3) -> Result<(), String> {
         let node = &self.file.root.nodes[index];
-        if node.extensions.as_ref().is_some_and(|e| e.khr_lights_punctual.is_some()) {
-            self.notes.add(Feature::PunctualLight, index);
+        if let Some(light) = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) {
+            self.scene.lights.extend(light::convert(self.file, light.light.value(), world_from_node)?);
         }
         if let Some(camera) = node.camera {
             self.add_camera(camera.value(), node.name.as_deref(), world_from_node)?;
@@ -151,20 +169,25 @@ impl<'a> Importer<'a> {
         for (i, primitive) in mesh.primitives.iter().enumerate() {
             let path = format!("{path}.primitives[{i}]");
             let room = MAX_TRIANGLES.saturating_sub(self.triangles_read);
+            let material = primitive.material.map(|material| material.value());
+            let file = self.file;
+            let converted = self.converted(material)?;
+            let wanted = Wanted {
+                coordinates: &converted.coordinates,
+                tangents: converted.material.textures.normal.is_some(),
+                colors: converted.material.vertex_colored,
+            };
             let triangles =
-                mesh::triangles(self.file, primitive, weights, room).map_err(|why| format!("{path}: {why}"))?;
+                mesh::triangles(file, primitive, weights, &wanted, room).map_err(|why| format!("{path}: {why}"))?;
             let Some(triangles) = triangles else {
                 self.notes.add(Feature::PointsOrLines, index);
                 continue;
             };
             self.triangles_read += triangles.corners.len() as u64;
-            if primitive.attributes.keys().any(|key| matches!(key, Checked::Valid(Semantic::Colors(_)))) {
-                self.notes.add(Feature::VertexColor, index);
-            }
-            parts.push((path, triangles, primitive.material.map(|material| material.value())));
+            parts.push((path, triangles, material));
         }
         for (path, triangles, material) in &parts {
-            let thin = match self.converted(*material)?.1 {
+            let thin = match self.converted(*material)?.refraction {
                 Refraction::Thin => true,
                 Refraction::Solid => false,
                 Refraction::WhereClosed => {
@@ -181,16 +204,24 @@ impl<'a> Importer<'a> {
     }
 
     /// The file's material, converted.
-    fn converted(&mut self, index: Option<usize>) -> Result<&(Material, Refraction), String> {
+    fn converted(&mut self, index: Option<usize>) -> Result<&Converted, String> {
         if !self.converted.contains_key(&index) {
+            let colored = self.colored.contains(&index);
             let converted = match index {
-                None => (Material::default(), Refraction::Thin),
-                Some(i) => {
-                    let path = format!("materials[{i}]");
-                    let Some(json) = self.file.root.materials.get(i) else {
+                None => {
+                    let material = Material { vertex_colored: colored, ..Material::default() };
+                    Converted { material, refraction: Refraction::Thin, coordinates: Vec::new() }
+                }
+                Some(material) => {
+                    let path = format!("materials[{material}]");
+                    let (Some(json), Some(raw)) =
+                        (self.file.root.materials.get(material), self.file.raw("materials").get(material))
+                    else {
                         return Err(format!("{path} does not exist: export the file again"));
                     };
-                    material::convert(json, i, &mut self.notes).map_err(|why| format!("{path}: {why}"))?
+                    let (file, images, notes) = (self.file, &mut self.images, &mut self.notes);
+                    let reader = Reader { file, images, notes, material, sets: Vec::new() };
+                    material::convert(json, raw, colored, reader).map_err(|why| format!("{path}: {why}"))?
                 }
             };
             self.converted.insert(index, converted);
@@ -203,7 +234,7 @@ impl<'a> Importer<'a> {
         if let Some(&placed) = self.placed_materials.get(&(index, thin)) {
             return Ok(placed);
         }
-        let mut material = Material { thin, ..self.converted(index)?.0.clone() };
+        let mut material = Material { thin, ..self.converted(index)?.material.clone() };
         if self.placed_materials.contains_key(&(index, !thin)) {
             material.name += if thin { " (thin)" } else { " (solid)" };
         }
@@ -215,11 +246,24 @@ impl<'a> Importer<'a> {
 
     /// The scene with what only the whole of it tells: its lights, its warnings, a camera if it has none.
     fn finish(self) -> Result<Scene, String> {
-        let Self { file, mut scene, notes, .. } = self;
+        let Self { file, mut scene, notes, mut images, .. } = self;
         if scene.triangles.is_empty() {
             return Err("has no triangles to render in its default scene: export it with meshes".into());
         }
         scene.warnings = notes.sentences();
+        scene.complete_attributes();
+        let is_srgb = |image: u32| {
+            let mut uses = scene.materials.iter().flat_map(|m| m.textures.all()).filter(|t| t.image == image);
+            uses.all(|texture| texture.srgb)
+        };
+        let halved = images.fit(is_srgb);
+        if halved > 0 {
+            scene.warnings.push(format!(
+                "The images have more than the {} million texels that can be rendered: {halved} of them made smaller.",
+                texture::MAX_TEXELS >> 20
+            ));
+        }
+        scene.images = images.images;
         if file.root.extensions_used.iter().any(|name| name == "EXT_lights_image_based") {
             scene.warnings.push("Image-based lights (EXT_lights_image_based) are not supported yet: left out.".into());
         }
@@ -231,11 +275,9 @@ impl<'a> Importer<'a> {
             }
         }
         // Of the materials in use: one whose triangles were all dropped lights nothing.
-        if !scene.triangle_materials.iter().any(|&m| scene.materials[m as usize].emits()) {
+        if scene.lights.is_empty() && scene.mean_emission().iter().all(|luminance| *luminance == 0.0) {
             scene.sky = Some(Vec3::ONE);
-            scene
-                .warnings
-                .push("The file has no light that can be rendered: a white sky of radiance 1 is added.".into());
+            scene.warnings.push(NO_LIGHT.into());
         }
         if scene.cameras.is_empty() {
             scene.cameras.push(camera::framed(&scene));

@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use super::texture::Texture;
+
 /// Below this GGX alpha (= roughness^2) a lobe is treated as a delta (METHOD.md section 6, item 1).
 pub const DELTA_ALPHA: f32 = 1e-3;
 /// Solid glass of less index contrast than this deflects nothing, however rough: its boundary is rendered smooth, since
@@ -30,10 +32,68 @@ pub struct Material {
     pub transmission: f32,
     /// Transmission without refraction (KHR_materials_volume: thicknessFactor 0).
     pub thin: bool,
+    /// KHR_materials_volume: absorption coefficient inside solid glass, per unit of the file.
+    pub absorption: Vec3,
     /// Radiance: emissiveFactor * emissiveStrength.
     pub emission: Vec3,
     /// Emits on both sides; reflection is two-sided in any case.
     pub double_sided: bool,
+    /// The base colour's fourth component, and what it means; opaque where there is glass.
+    pub base_alpha: f32,
+    pub alpha_mode: AlphaMode,
+    /// Multiplied by the vertices' colours (COLOR_0).
+    pub vertex_colored: bool,
+    pub textures: Textures,
+    /// Mean and largest GGX alpha over the texels of the roughness texture, where there is one.
+    pub mapped_alpha: Option<[f32; 2]>,
+}
+
+/// What a material's alpha means (glTF 2.0, section 3.9.4).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum AlphaMode {
+    #[default]
+    Opaque,
+    /// There is nothing where alpha is below this.
+    Mask(f32),
+    /// Alpha is the share of the light behind that is covered.
+    Blend,
+}
+
+/// The textures of a material, each multiplied with the factor of its name at every point.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Textures {
+    /// RGB: base colour; A: alpha.
+    pub base_color: Option<Texture>,
+    /// G: roughness; B: metallic.
+    pub metallic_roughness: Option<Texture>,
+    pub emissive: Option<Texture>,
+    /// Tangent-space normals, with the scale of x and y.
+    pub normal: Option<(Texture, f32)>,
+    /// R: transmission.
+    pub transmission: Option<Texture>,
+    /// A: specular.
+    pub specular: Option<Texture>,
+    pub specular_color: Option<Texture>,
+}
+
+impl Textures {
+    /// All of them but the normals, in the order of `SLOT_*` in shaders/bsdf/material.wesl.
+    pub fn slots(&self) -> [Option<&Texture>; 6] {
+        [
+            &self.base_color,
+            &self.metallic_roughness,
+            &self.emissive,
+            &self.transmission,
+            &self.specular,
+            &self.specular_color,
+        ]
+        .map(Option::as_ref)
+    }
+
+    /// All of them.
+    pub fn all(&self) -> impl Iterator<Item = &Texture> {
+        self.slots().into_iter().flatten().chain(self.normal.as_ref().map(|(texture, _)| texture))
+    }
 }
 
 impl Default for Material {
@@ -49,18 +109,29 @@ impl Default for Material {
             specular_color: Vec3::ONE,
             transmission: 0.0,
             thin: true,
+            absorption: Vec3::ZERO,
             emission: Vec3::ZERO,
             double_sided: false,
+            base_alpha: 1.0,
+            alpha_mode: AlphaMode::Opaque,
+            vertex_colored: false,
+            textures: Textures::default(),
+            mapped_alpha: None,
         }
     }
 }
 
 impl Material {
     /// GGX alpha of the specular lobes (glTF 2.0, appendix B: roughness^2); 0 where they are deltas.
+    ///
+    /// A roughness texture makes no difference to what a lobe is taken for: that must be the same at every point of a
+    /// material. It is the mean alpha over the texels that counts here, and the lobes are deltas only if all texels are
+    /// that smooth; else no point has an alpha below [`DELTA_ALPHA`].
     pub fn alpha(&self) -> f32 {
-        let alpha = self.roughness * self.roughness;
+        let flat = self.roughness * self.roughness;
+        let [mean, most] = self.mapped_alpha.unwrap_or([flat; 2]);
         let matched = self.transmission > 0.0 && !self.thin && self.ior - 1.0 < DELTA_CONTRAST;
-        if alpha < DELTA_ALPHA || matched { 0.0 } else { alpha }
+        if most < DELTA_ALPHA || matched { 0.0 } else { mean.max(DELTA_ALPHA) }
     }
 
     /// Whether it has a specular lobe at all, delta or not.
@@ -71,6 +142,16 @@ impl Material {
     /// Whether it has a lobe that is treated as specular for being narrower than `threshold`.
     pub fn is_narrow(&self, threshold: f32) -> bool {
         self.is_specular() && self.alpha() > 0.0 && self.alpha() < threshold
+    }
+
+    /// Whether it is the same at every point of a triangle.
+    pub fn is_plain(&self) -> bool {
+        !self.vertex_colored && self.textures.all().next().is_none()
+    }
+
+    /// Whether there is nothing of it anywhere: alpha is below the mask's cutoff, and the same at all points.
+    pub fn is_masked_out(&self) -> bool {
+        matches!(self.alpha_mode, AlphaMode::Mask(cutoff) if self.base_alpha < cutoff)
     }
 
     /// Whether triangles of this material are lights.

@@ -8,6 +8,7 @@ mod compression;
 mod damage;
 mod geometry;
 mod materials;
+mod textures;
 
 use emlt::scene::{Scene, import::import};
 use glam::{Vec3, vec3};

@@ -9,9 +9,10 @@ use base64::Engine;
 use draco_core::Mesh;
 use gltf::json::{self, Root, Value};
 
-/// Parts of the JSON that the renderer does not read. They are dropped before the JSON is typed, so that nothing odd in
-/// them (a texture without a source, an animation that breaks a rule) can refuse a file whose geometry is fine.
-const UNREAD: [&str; 6] = ["animations", "extensions", "images", "samplers", "skins", "textures"];
+/// Parts of the JSON that are not read, or only by hand ([`File::raw`]). They are dropped before the JSON is typed, so that
+/// nothing odd in them (a texture without a source, an animation that breaks a rule) can refuse a file whose geometry is
+/// fine.
+const UNTYPED: [&str; 6] = ["animations", "extensions", "images", "samplers", "skins", "textures"];
 
 /// Most bytes that all compressed data of a file may become: twice what [`super::MAX_TRIANGLES`] need as a rule.
 const MAX_UNPACKED: u64 = 1 << 31;
@@ -19,6 +20,8 @@ const MAX_UNPACKED: u64 = 1 << 31;
 /// A parsed glTF file and its binary data.
 pub struct File {
     pub root: Root,
+    /// The JSON as it is, without its bulk: what [`File::raw`] looks up.
+    json: Value,
     /// Folder that relative URIs start from.
     folder: PathBuf,
     /// The BIN chunk of a .glb.
@@ -42,7 +45,7 @@ impl File {
         } else {
             (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes), None)
         };
-        let root = parse(json)?;
+        let (root, json) = parse(json)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         Ok(Self {
             folder,
@@ -52,7 +55,18 @@ impl File {
             draco_meshes: root.buffer_views.iter().map(|_| OnceCell::new()).collect(),
             room: Cell::new(MAX_UNPACKED),
             root,
+            json,
         })
+    }
+
+    /// The elements of a top-level array of the JSON, untyped: materials, textures, samplers or images.
+    pub fn raw(&self, key: &str) -> &[Value] {
+        self.json.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+    }
+
+    /// A top-level extension of the JSON, untyped.
+    pub fn extension(&self, name: &str) -> Option<&Value> {
+        self.json.get("extensions").and_then(|extensions| extensions.get(name))
     }
 
     /// The bytes of `buffers[index]`, which may be fewer or more than its byteLength says.
@@ -74,7 +88,7 @@ impl File {
     }
 
     /// The bytes of a buffer's URI: embedded data, or at most `length` bytes of a file beside this one.
-    fn load(&self, uri: &str, length: u64) -> Result<Vec<u8>, String> {
+    pub(super) fn load(&self, uri: &str, length: u64) -> Result<Vec<u8>, String> {
         if let Some(data) = uri.strip_prefix("data:") {
             let (media, data) = data.split_once(',').ok_or("its data: URI has no comma: export the file again")?;
             if !media.ends_with(";base64") {
@@ -97,7 +111,7 @@ impl File {
 fn read_at_most(path: &Path, length: u64) -> Result<Vec<u8>, String> {
     let readable = |why: std::io::Error| format!("cannot be read ({why})");
     if !fs::metadata(path).map_err(readable)?.is_file() {
-        return Err("is not a file: name a .gltf or .glb file".into());
+        return Err("is not a file: name a regular file".into());
     }
     let mut bytes = Vec::new();
     fs::File::open(path).map_err(readable)?.take(length).read_to_end(&mut bytes).map_err(readable)?;
@@ -133,8 +147,8 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     Ok((json, None))
 }
 
-/// The typed JSON, or a sentence that says which element is wrong.
-fn parse(json: &[u8]) -> Result<Root, String> {
+/// The typed JSON and what [`File::raw`] needs of it untyped, or a sentence that says which element is wrong.
+fn parse(json: &[u8]) -> Result<(Root, Value), String> {
     let mut value: Value = json::deserialize::from_slice(json)
         .map_err(|why| format!("is not JSON ({why}): export it as glTF 2.0 again"))?;
     strip_extras(&mut value);
@@ -146,8 +160,14 @@ fn parse(json: &[u8]) -> Result<Root, String> {
         let found = version.map_or("none".into(), |v| format!("{v:.16}"));
         return Err(format!("has asset.version {found}, not 2.0: export it as glTF 2.0"));
     }
-    for key in UNREAD {
-        object.remove(key);
+    let mut untyped = Value::Object(Default::default());
+    for key in UNTYPED {
+        if let Some(part) = object.remove(key) {
+            untyped[key] = part;
+        }
+    }
+    if let Some(materials) = object.get("materials") {
+        untyped["materials"] = materials.clone();
     }
     // An empty scene may leave its nodes out; the parser insists on them.
     for scene in object.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten() {
@@ -155,10 +175,11 @@ fn parse(json: &[u8]) -> Result<Root, String> {
             scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
         }
     }
-    json::deserialize::from_value(value.clone()).map_err(|why| {
+    let root = json::deserialize::from_value(value.clone()).map_err(|why| {
         let element = misfit(&value).unwrap_or_default();
         format!("has {element}contents that glTF 2.0 does not allow ({why}): export it again")
-    })
+    })?;
+    Ok((root, untyped))
 }
 
 /// `extras` is free-form, is never read, and trips the parser inside some extensions.

@@ -2,11 +2,14 @@
 
 use glam::Vec3;
 use gltf::json;
-use gltf::json::material::AlphaMode;
+use gltf::json::Value;
+use gltf::json::material::AlphaMode as FileAlpha;
 use gltf::json::validation::Checked;
 
 use super::notes::{Feature, MATERIAL_EXTENSIONS, Notes};
+use super::texture::Reader;
 use crate::scene::Material;
+use crate::scene::material::{AlphaMode, Textures};
 
 /// Whether light passes a transmissive material refracted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,8 +22,18 @@ pub enum Refraction {
     WhereClosed,
 }
 
-/// `materials[index]` with `thin` as far as the file decides it, and what is to decide it.
-pub fn convert(material: &json::Material, index: usize, notes: &mut Notes) -> Result<(Material, Refraction), String> {
+/// A material of the file, converted.
+pub struct Converted {
+    pub material: Material,
+    pub refraction: Refraction,
+    /// The sets of coordinates (TEXCOORD_n) that its textures use, by slot.
+    pub coordinates: Vec<u32>,
+}
+
+/// `materials[index]` with `thin` as far as the file decides it, and what is to decide it. `raw` is the same as `material`,
+/// untyped; `colored` says whether vertices with this material have colours.
+pub fn convert(material: &json::Material, raw: &Value, colored: bool, mut reader: Reader) -> Result<Converted, String> {
+    let index = reader.material;
     let extensions = material.extensions.as_ref();
     let pbr = &material.pbr_metallic_roughness;
     let transmission = extensions.and_then(|e| e.transmission.as_ref());
@@ -29,7 +42,7 @@ pub fn convert(material: &json::Material, index: usize, notes: &mut Notes) -> Re
     let emissive_strength =
         extensions.and_then(|e| e.emissive_strength.as_ref()).map_or(1.0, |e| e.emissive_strength.0);
 
-    let [red, green, blue, _] = pbr.base_color_factor.0;
+    let [red, green, blue, base_alpha] = pbr.base_color_factor.0;
     let mut converted = Material {
         name: material.name.clone().unwrap_or_else(|| format!("material {index}")),
         base_color: Vec3::new(red, green, blue),
@@ -40,11 +53,21 @@ pub fn convert(material: &json::Material, index: usize, notes: &mut Notes) -> Re
         specular_color: specular.map_or(Vec3::ONE, |s| Vec3::from_array(s.specular_color_factor.0)),
         transmission: transmission.map_or(0.0, |t| t.transmission_factor.0),
         thin: true,
+        absorption: volume.map_or(Vec3::ZERO, absorption),
         emission: emissive_strength * Vec3::from_array(material.emissive_factor.0),
         double_sided: material.double_sided,
+        base_alpha,
+        alpha_mode: match material.alpha_mode {
+            Checked::Valid(FileAlpha::Mask) => AlphaMode::Mask(material.alpha_cutoff.map_or(0.5, |c| c.0)),
+            Checked::Valid(FileAlpha::Blend) => AlphaMode::Blend,
+            _ => AlphaMode::Opaque,
+        },
+        vertex_colored: colored,
+        textures: Textures::default(),
+        mapped_alpha: None,
     };
     if extensions.is_some_and(|e| e.unlit.is_some()) {
-        notes.add(Feature::Unlit, index);
+        reader.notes.add(Feature::Unlit, index);
         converted = Material {
             metallic: 0.0,
             roughness: 1.0,
@@ -54,13 +77,14 @@ pub fn convert(material: &json::Material, index: usize, notes: &mut Notes) -> Re
             ..converted
         };
     }
-    if material.emissive_texture.is_some() && converted.emits() {
-        // The factor alone would make all of the surface a light, where the texture lights a few spots.
-        notes.add(Feature::EmissiveTexture, index);
-        converted.emission = Vec3::ZERO;
-    }
     check(&mut converted)?;
-    note_unsupported(material, index, notes);
+    // Glass lets light through as it is; what covers it is not told apart.
+    if converted.transmission > 0.0 && converted.alpha_mode == AlphaMode::Blend {
+        converted.alpha_mode = AlphaMode::Opaque;
+        reader.notes.add(Feature::GlassAlpha, index);
+    }
+    textures(&mut converted, raw, &mut reader)?;
+    note_unsupported(material, index, reader.notes);
 
     let refraction = match volume {
         _ if converted.transmission == 0.0 => Refraction::Thin,
@@ -69,18 +93,80 @@ pub fn convert(material: &json::Material, index: usize, notes: &mut Notes) -> Re
         None => Refraction::WhereClosed,
     };
     converted.thin = refraction != Refraction::Solid;
-    Ok((converted, refraction))
+    Ok(Converted { material: converted, refraction, coordinates: reader.sets })
+}
+
+/// Reads the textures that make a difference to `material`.
+///
+/// The occlusion texture is not read: how much light reaches a point is what rendering computes. Neither is the texture of
+/// KHR_materials_volume's thickness, which stands in for geometry that is there.
+fn textures(material: &mut Material, raw: &Value, reader: &mut Reader) -> Result<(), String> {
+    let mut read = |pointer: &str, srgb: bool, used: bool| {
+        let info = raw.pointer(pointer).filter(|_| used);
+        reader.texture(info, &pointer.replace('/', "."), srgb)
+    };
+    let specular = material.specular > 0.0;
+    let colored = material.base_color != Vec3::ZERO || material.alpha_mode != AlphaMode::Opaque;
+    let extension = |name: &str| format!("/extensions/KHR_materials_{name}");
+    material.textures = Textures {
+        base_color: read("/pbrMetallicRoughness/baseColorTexture", true, colored)?,
+        metallic_roughness: read("/pbrMetallicRoughness/metallicRoughnessTexture", false, material.is_specular())?,
+        emissive: read("/emissiveTexture", true, material.emits())?,
+        normal: read("/normalTexture", false, true)?.map(|texture| {
+            let scale = raw.pointer("/normalTexture/scale").and_then(Value::as_f64).unwrap_or(1.0);
+            (texture, scale as f32)
+        }),
+        transmission: read(&(extension("transmission") + "/transmissionTexture"), false, material.transmission > 0.0)?,
+        specular: read(&(extension("specular") + "/specularTexture"), false, specular)?,
+        specular_color: read(&(extension("specular") + "/specularColorTexture"), true, specular)?,
+    };
+    let images = &reader.images.images;
+    if let Some(texture) = &material.textures.metallic_roughness {
+        let texels = &images[texture.image as usize].texels;
+        let (mut sum, mut most) = (0.0, 0u8);
+        for texel in texels {
+            let [_, green, ..] = texel.to_le_bytes();
+            most = most.max(green);
+            sum += f64::from(green).powi(2);
+        }
+        let squared = material.roughness.powi(2);
+        let mean = (sum / (texels.len() as f64 * 255.0 * 255.0)) as f32;
+        material.mapped_alpha = Some([squared * mean, squared * (f32::from(most) / 255.0).powi(2)]);
+    }
+    // A lamp whose texture is black all over is none.
+    if let Some(texture) = &material.textures.emissive
+        && images[texture.image as usize].texels.iter().all(|texel| texel & 0x00ff_ffff == 0)
+    {
+        material.emission = Vec3::ZERO;
+        material.textures.emissive = None;
+    }
+    Ok(())
+}
+
+/// Beer's law: after the attenuation distance, the attenuation colour is left. Black absorbs as good as all.
+fn absorption(volume: &json::extensions::material::Volume) -> Vec3 {
+    let (color, distance) = (volume.attenuation_color.0, volume.attenuation_distance.0);
+    if !(distance > 0.0 && distance.is_finite()) {
+        return Vec3::ZERO;
+    }
+    Vec3::from_array(color.map(|c| -c.clamp(1e-6, 1.0).ln() / distance)).max(Vec3::ZERO)
 }
 
 /// Refuses what is no number and brings the rest into the ranges of glTF.
 fn check(material: &mut Material) -> Result<(), String> {
+    let cutoff = match material.alpha_mode {
+        AlphaMode::Mask(cutoff) => cutoff,
+        _ => 0.0,
+    };
     let values = [
-        ("pbrMetallicRoughness.baseColorFactor", material.base_color.is_finite()),
+        ("pbrMetallicRoughness.baseColorFactor", material.base_color.is_finite() && material.base_alpha.is_finite()),
+        ("alphaCutoff", cutoff.is_finite()),
         ("pbrMetallicRoughness.metallicFactor", material.metallic.is_finite()),
         ("pbrMetallicRoughness.roughnessFactor", material.roughness.is_finite()),
         ("emissiveFactor times emissiveStrength", material.emission.is_finite()),
         ("KHR_materials_ior", material.ior.is_finite()),
         ("KHR_materials_specular", material.specular.is_finite() && material.specular_color.is_finite()),
+        ("KHR_materials_volume", material.absorption.is_finite()),
         ("KHR_materials_transmission", material.transmission.is_finite()),
     ];
     if let Some((what, _)) = values.iter().find(|(_, finite)| !finite) {
@@ -102,38 +188,6 @@ fn check(material: &mut Material) -> Result<(), String> {
 /// Notes every part of `material` that rendering will ignore.
 fn note_unsupported(material: &json::Material, index: usize, notes: &mut Notes) {
     let extensions = material.extensions.as_ref();
-    let pbr = &material.pbr_metallic_roughness;
-    let transmission = extensions.and_then(|e| e.transmission.as_ref());
-    let volume = extensions.and_then(|e| e.volume.as_ref());
-    let specular = extensions.and_then(|e| e.specular.as_ref());
-    let textures = [
-        pbr.base_color_texture.as_ref(),
-        pbr.metallic_roughness_texture.as_ref(),
-        material.emissive_texture.as_ref(),
-        transmission.and_then(|t| t.transmission_texture.as_ref()),
-        volume.and_then(|v| v.thickness_texture.as_ref()),
-        specular.and_then(|s| s.specular_texture.as_ref()),
-        specular.and_then(|s| s.specular_color_texture.as_ref()),
-    ];
-    // Normal and occlusion textures are of other types, whose extensions the parser leaves untyped.
-    let normal = material.normal_texture.as_ref().map(|t| t.extensions.as_ref().map(|e| &e.others));
-    let occlusion = material.occlusion_texture.as_ref().map(|t| t.extensions.as_ref().map(|e| &e.others));
-    let untyped = [normal, occlusion];
-    let transformed =
-        textures.iter().flatten().any(|t| t.extensions.as_ref().is_some_and(|e| e.texture_transform.is_some()))
-            || untyped.iter().flatten().flatten().any(|others| others.contains_key("KHR_texture_transform"));
-    let attenuates = |v: &&json::extensions::material::Volume| {
-        v.attenuation_distance.0.is_finite() && v.attenuation_color.0 != [1.0; 3]
-    };
-    let features = [
-        (Feature::Texture, textures.iter().any(Option::is_some) || untyped.iter().any(Option::is_some)),
-        (Feature::TextureTransform, transformed),
-        (Feature::Alpha, material.alpha_mode != Checked::Valid(AlphaMode::Opaque)),
-        (Feature::Attenuation, volume.filter(attenuates).is_some()),
-    ];
-    for (feature, _) in features.iter().filter(|(_, present)| *present) {
-        notes.add(*feature, index);
-    }
     for (name, _) in MATERIAL_EXTENSIONS {
         if extensions.is_some_and(|e| e.others.contains_key(name)) {
             notes.add(Feature::MaterialExtension(name), index);

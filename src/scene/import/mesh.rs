@@ -17,6 +17,20 @@ pub struct Triangles<'a> {
     pub corners: Vec<[u32; 3]>,
     pub positions: Attribute<'a>,
     pub normals: Option<Attribute<'a>>,
+    /// By slot; None where the primitive lacks the set that the material asks for.
+    pub coordinates: [Option<Accessor<'a>>; 2],
+    pub tangents: Option<Accessor<'a>>,
+    /// RGB or RGBA.
+    pub colors: Option<(Accessor<'a>, Type)>,
+}
+
+/// What the material of a primitive needs to know of its vertices beyond their places and normals.
+#[derive(Default)]
+pub struct Wanted<'a> {
+    /// Sets of texture coordinates, by slot.
+    pub coordinates: &'a [u32],
+    pub tangents: bool,
+    pub colors: bool,
 }
 
 /// A vector per vertex, with the morph targets' default weights applied.
@@ -35,13 +49,7 @@ impl<'a> Attribute<'a> {
         targets: impl Iterator<Item = (f32, Option<Index<accessor::Accessor>>)>,
     ) -> Result<Self, String> {
         let accessor = |index: Index<_>| Accessor::new(file, index.value(), Type::Vec3, &VECTOR_COMPONENTS);
-        let base = match compressed {
-            Some(compressed) => match compressed.attribute(name)? {
-                Some(data) => Accessor::of_draco(file, base.value(), Type::Vec3, &VECTOR_COMPONENTS, data)?,
-                None => accessor(base)?,
-            },
-            None => accessor(base)?,
-        };
+        let base = vertex_data(file, compressed, name, base, Type::Vec3)?;
         let targets = targets
             .filter(|(weight, _)| *weight != 0.0)
             .filter_map(|(weight, index)| Some((f64::from(weight), index?)))
@@ -62,6 +70,21 @@ impl<'a> Attribute<'a> {
             v += *weight * DVec3::from_array(target.vector(vertex));
         }
         v
+    }
+}
+
+/// The vertex data called `name`, from `compressed` where that has it.
+fn vertex_data<'a>(
+    file: &'a File,
+    compressed: Option<&Compressed<'a>>,
+    name: &str,
+    index: Index<accessor::Accessor>,
+    kind: Type,
+) -> Result<Accessor<'a>, String> {
+    let data = compressed.map(|compressed| compressed.attribute(name)).transpose()?.flatten();
+    match data {
+        Some(data) => Accessor::of_draco(file, index.value(), kind, &VECTOR_COMPONENTS, data),
+        None => Accessor::new(file, index.value(), kind, &VECTOR_COMPONENTS),
     }
 }
 
@@ -97,6 +120,7 @@ pub fn triangles<'a>(
     file: &'a File,
     primitive: &'a Primitive,
     weights: &[f32],
+    wanted: &Wanted,
     room: u64,
 ) -> Result<Option<Triangles<'a>>, String> {
     let Checked::Valid(mut mode) = primitive.mode else {
@@ -124,6 +148,26 @@ pub fn triangles<'a>(
         None => None,
     };
     let vertices = positions.base.count;
+    let more = |semantic: Semantic, kind: Type| -> Result<Option<Accessor>, String> {
+        let name = semantic.to_string();
+        let Some(index) = attribute(semantic) else { return Ok(None) };
+        let data = vertex_data(file, draco, &name, index, kind)?;
+        same_count(&data, &positions.base)?;
+        Ok(Some(data))
+    };
+    let mut coordinates = [None, None];
+    for (slot, set) in coordinates.iter_mut().zip(wanted.coordinates) {
+        *slot = more(Semantic::TexCoords(*set), Type::Vec2)?;
+    }
+    let tangents = if wanted.tangents { more(Semantic::Tangents, Type::Vec4)? } else { None };
+    let colors = match attribute(Semantic::Colors(0)).filter(|_| wanted.colors) {
+        Some(index) => {
+            let kind = file.root.accessors.get(index.value()).map(|accessor| accessor.type_);
+            let kind = if kind == Some(Checked::Valid(Type::Vec3)) { Type::Vec3 } else { Type::Vec4 };
+            more(Semantic::Colors(0), kind)?.map(|colors| (colors, kind))
+        }
+        None => None,
+    };
     let indices = match (compressed, primitive.indices) {
         (Some(compressed), _) => {
             // Draco holds triangles one by one, whatever the mode was before.
@@ -159,7 +203,7 @@ pub fn triangles<'a>(
         };
         corners.push([vertex(a)?, vertex(b)?, vertex(c)?]);
     }
-    Ok(Some(Triangles { corners, positions, normals }))
+    Ok(Some(Triangles { corners, positions, normals, coordinates, tangents, colors }))
 }
 
 /// All data of one primitive must cover the same vertices.

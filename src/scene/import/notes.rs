@@ -5,28 +5,20 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Something in a file that is not rendered as the file asks. The order is the order of the warnings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Feature {
-    /// Materials with any texture.
-    Texture,
-    /// Materials with an emissive texture; said together with [`Feature::Texture`].
-    EmissiveTexture,
+    /// Materials with a texture whose image is in no format that is read.
+    UnreadImage,
+    /// Materials whose textures use more sets of coordinates than vertices keep.
+    ManyCoordinates,
     /// Materials.
-    TextureTransform,
-    /// Materials.
-    Alpha,
+    GlassAlpha,
     /// Materials.
     Unlit,
-    /// Materials.
-    Attenuation,
     /// Materials with an extension of this name.
     MaterialExtension(&'static str),
-    /// Meshes.
-    VertexColor,
     /// Meshes.
     PointsOrLines,
     /// Cameras.
     Orthographic,
-    /// Nodes.
-    PunctualLight,
 }
 
 /// Extensions that add something to a material that the renderer does not have yet, and what they add.
@@ -57,48 +49,36 @@ impl Notes {
 
     /// One sentence per feature.
     pub fn sentences(&self) -> Vec<String> {
-        let of = |feature| self.seen.get(&feature).map_or(0, BTreeSet::len);
         let mut sentences = Vec::new();
         for (&feature, elements) in &self.seen {
             let n = elements.len();
             let materials = counted(n as u64, "material");
             let meshes = counted(n as u64, "mesh");
             let sentence = match feature {
-                Feature::Texture => match of(Feature::EmissiveTexture) {
-                    0 => format!("Textures are not supported yet: {materials} rendered with plain factors."),
-                    e => format!(
-                        "Textures are not supported yet: {materials} rendered with plain factors, {e} of them with an \
-                         emissive texture and so without emission."
-                    ),
-                },
-                Feature::EmissiveTexture => continue,
-                Feature::TextureTransform => {
-                    format!("KHR_texture_transform is not supported yet: ignored in {materials}.")
+                Feature::UnreadImage => {
+                    format!("Images other than PNG, JPEG and WebP are not read: {materials} without such textures.")
                 }
-                Feature::Alpha => {
-                    format!("Alpha masks and blending are not supported yet: {materials} rendered opaque.")
+                Feature::ManyCoordinates => {
+                    format!(
+                        "More than two sets of texture coordinates for one material are not supported: {materials} \
+                         without some textures."
+                    )
+                }
+                Feature::GlassAlpha => {
+                    format!("Alpha blending of glass (alphaMode BLEND with transmission) is ignored in {materials}.")
                 }
                 Feature::Unlit => {
                     format!("Unlit materials are not supported: {materials} rendered as matt ones.")
                 }
-                Feature::Attenuation => {
-                    format!("Attenuation inside volumes is not supported yet: {materials} rendered clear.")
-                }
                 Feature::MaterialExtension(name) => {
                     let what = MATERIAL_EXTENSIONS.iter().find(|(key, _)| *key == name).map_or(name, |(_, what)| what);
                     format!("{what} ({name}) is not supported yet: left out of {materials}.")
-                }
-                Feature::VertexColor => {
-                    format!("Vertex colours are not supported yet: left out of {meshes}.")
                 }
                 Feature::PointsOrLines => {
                     format!("Points and lines are not rendered: left out of {meshes}.")
                 }
                 Feature::Orthographic => {
                     format!("Orthographic cameras are not supported: {} left out.", counted(n as u64, "camera"))
-                }
-                Feature::PunctualLight => {
-                    format!("Punctual lights are not supported yet: {} left out.", counted(n as u64, "light"))
                 }
             };
             sentences.push(sentence);
