@@ -3,6 +3,7 @@
 //! broken twin must be seen to fail by a stated margin: histograms of long runs are blind to most of them (4.6).
 
 mod discrete {
+    mod crossover;
     pub mod kernels;
     pub mod world;
 }

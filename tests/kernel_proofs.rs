@@ -3,6 +3,8 @@
 
 #[path = "kernel_proofs/bench.rs"]
 mod bench;
+#[path = "kernel_proofs/crossover.rs"]
+mod crossover;
 #[path = "kernel_proofs/stationarity.rs"]
 mod stationarity;
 #[path = "kernel_proofs/structural.rs"]

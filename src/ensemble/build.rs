@@ -5,6 +5,7 @@ use super::mix::{HALF_SWEEP, Mix};
 use super::strategies::INDIRECT_EDGES;
 use crate::gpu::layout::PassUniform;
 use crate::gpu::shader::Variant;
+use crate::kernels::Family;
 use crate::scene::Features;
 
 /// What the shaders of a run are compiled for, besides the kernel.
@@ -27,7 +28,7 @@ impl Build {
     /// The pipeline of a pass that may splat directions.
     pub fn variant(&self, pass: &'static str, flags: &[&'static str]) -> Variant {
         let mut flags = flags.to_vec();
-        if !["weigh", "gather"].contains(&pass) {
+        if !["weigh", "gather", "crossover"].contains(&pass) {
             flags.extend(self.maps.then_some("maps"));
             flags.extend(self.two_stage.then_some("two_stage"));
         }
@@ -46,6 +47,9 @@ impl Build {
         let mut variants: Vec<Variant> = mix.kernels().map(|k| self.variant(k.pass, k.flags)).collect();
         variants.push(self.variant("weigh", &[]));
         variants.push(self.variant("rest", &[]));
+        if mix.kernels().any(|k| k.family == Family::Pair) {
+            variants.push(self.variant("exchange", &[]));
+        }
         if mix.guided() {
             variants.push(self.variant("gather", &[]));
         }

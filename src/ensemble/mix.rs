@@ -6,14 +6,14 @@ use crate::{Error, Result};
 
 use super::pool::TypeKey;
 
-/// Mutations of every path in one half-sweep.
+/// Mutations of every path from one sweep of its half to the next.
 pub const HALF_SWEEP: u32 = 20;
 
 /// Kernels with their weights.
 ///
 /// The weight of a structural kernel is its share of all mutations, in whole passes of the [`HALF_SWEEP`] and at least
-/// one. The rest of the passes perturb: a path is moved by the kernels that apply to its type, in proportion to their
-/// weights.
+/// one; a pass over both halves moves a path in either half's sweep and counts as two. The rest of the passes perturb: a
+/// path is moved by the kernels that apply to its type, in proportion to their weights.
 #[derive(Debug, Clone)]
 pub struct Mix {
     kernels: Vec<(&'static Kernel, f64)>,
@@ -55,7 +55,7 @@ impl Mix {
                 "the mix lacks the independence kernel, without which some paths are never reached: add independence=0.05",
             ));
         }
-        let structural = weights.iter().filter(|(kernel, _)| kernel.family == Family::Structural);
+        let structural = weights.iter().filter(|(kernel, _)| !kernel.family.keeps_types());
         let share: f64 = structural.map(|(_, weight)| weight).sum();
         if share > 0.95 {
             return Err(Error::input(format!(
@@ -75,18 +75,29 @@ impl Mix {
         self.kernels().any(|k| k.guided)
     }
 
+    /// The family of kernel number `index`.
+    pub fn family(&self, index: usize) -> Family {
+        self.kernels[index].0.family
+    }
+
     /// Passes of a half-sweep that belong to kernel number `index`, a structural one.
     pub fn structural_passes(&self, index: usize) -> u32 {
         let (kernel, weight) = self.kernels[index];
-        if kernel.family != Family::Structural {
+        if kernel.family.keeps_types() {
             return 0;
         }
-        ((weight * f64::from(HALF_SWEEP)).round() as u32).max(1)
+        ((weight * f64::from(HALF_SWEEP)).round() as u32 / self.mutations_a_pass(index)).max(1)
+    }
+
+    /// How many of a path's mutations between two of its half's sweeps one pass of a structural kernel stands for.
+    fn mutations_a_pass(&self, index: usize) -> u32 {
+        if self.family(index) == Family::Pair { 2 } else { 1 }
     }
 
     /// Passes of a half-sweep that perturb.
     pub fn perturbation_passes(&self) -> u32 {
-        let structural: u32 = (0..self.kernels.len()).map(|i| self.structural_passes(i)).sum();
+        let mutations = |i| self.structural_passes(i) * self.mutations_a_pass(i);
+        let structural: u32 = (0..self.kernels.len()).map(mutations).sum();
         HALF_SWEEP.saturating_sub(structural)
     }
 
@@ -94,7 +105,7 @@ impl Mix {
     /// in proportion to their weights; those on the light's side come first.
     pub fn rota(&self, key: TypeKey, features: Features) -> Vec<usize> {
         let applies = |(i, (kernel, _)): &(usize, &(&Kernel, f64))| {
-            kernel.family != Family::Structural && (kernel.applies)(key, features) && self.kernels[*i].1 > 0.0
+            kernel.family.keeps_types() && (kernel.applies)(key, features) && self.kernels[*i].1 > 0.0
         };
         let candidates: Vec<(usize, f64)> =
             self.kernels.iter().enumerate().filter(applies).map(|(i, (_, weight))| (i, *weight)).collect();
@@ -118,7 +129,7 @@ impl Mix {
 mod tests {
     use super::*;
     use crate::ensemble::pool::Tag::{Diffuse as D, Transmission as T};
-    use crate::kernels::{caustic, guided_lens, lens, multi_chain};
+    use crate::kernels::{caustic, crossover, guided_lens, lens, multi_chain};
 
     fn mirrors() -> Features {
         Features { mirror: true, glass: true, ..Features::default() }
@@ -156,6 +167,17 @@ mod tests {
         let names: Vec<&str> = mix(Features::default()).kernels().map(|k| k.name).collect();
         assert_eq!(names, ["independence", "lens", "guided-lens"]);
         assert_eq!(mix(Features::default()).structural_passes(0), 2);
+    }
+
+    /// A crossover moves the other half too: one pass in either half's sweep is two mutations of every path.
+    #[test]
+    fn a_pass_over_both_halves_counts_twice() {
+        for (weight, passes) in [(0.01, 1), (0.1, 1), (0.2, 2)] {
+            let weights = [(&independence::KERNEL, 0.1), (&crossover::KERNEL, weight), (&lens::KERNEL, 1.0)];
+            let mix = Mix::new(&weights, MIRRORS);
+            assert_eq!((mix.structural_passes(1), mix.perturbation_passes()), (passes, HALF_SWEEP - 2 - 2 * passes));
+            assert!(!mix.rota(TypeKey::from_tags(&[D, D]), MIRRORS).contains(&1));
+        }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 pub mod bootstrap;
 mod build;
+pub mod crossings;
 pub mod cuts;
 pub mod guidance;
 pub mod mix;

@@ -4,6 +4,8 @@
 //! and the dispatch lists are sorted by type. Paths that no kernel applies to rest with their weight (C6a). It can be made in
 //! smaller steps, which change nothing but when the host hears of them.
 
+mod crossover;
+
 use std::collections::VecDeque;
 
 use super::bootstrap::{Bootstrap, Mean};
@@ -20,6 +22,7 @@ use crate::gpu::layout::{
     PassUniform, ROW_KEY, guide_rows, row_guide, unpack_position,
 };
 use crate::gpu::run::{Buffer, Dispatch, PASS_SLOTS, Run};
+use crate::kernels::Family;
 use crate::reference::rng;
 use crate::report::statistics::KernelStatistics;
 use crate::{Error, Result};
@@ -174,6 +177,8 @@ impl Ensemble {
     fn structural(&mut self, run: &mut Run, half: usize, kernel: usize) -> Result<()> {
         if kernel == INDEPENDENCE {
             self.independence(run, half)?;
+        } else if self.mix.family(kernel) == Family::Pair {
+            self.crossover(run, half, kernel)?;
         } else {
             self.bidirectional(run, half, kernel)?;
         }

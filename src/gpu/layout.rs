@@ -60,6 +60,9 @@ pub const ROW_VERTICES: usize = 4;
 pub const ROW_KEY: usize = 3;
 pub const ROW_PIXEL: usize = 0;
 
+/// Rows of a crossover's record, which lies where guides do (`ROW_RECORD`).
+const RECORD_ROWS: usize = 4;
+
 /// First of the rows in the order of a pool (`ROW_GUIDE`): what guides tell, packed as in shaders/transport/guide.wesl.
 pub fn row_guide(max_edges: u32) -> usize {
     ROW_VERTICES + 2 * max_edges as usize
@@ -67,7 +70,7 @@ pub fn row_guide(max_edges: u32) -> usize {
 
 /// Rows of vec4 that a chain with up to `max_edges` edges needs.
 pub fn chain_rows(max_edges: u32) -> usize {
-    row_guide(max_edges) + guide_rows(max_edges, true)
+    row_guide(max_edges) + guide_rows(max_edges, true).max(RECORD_ROWS)
 }
 
 /// Rows of vec4 that a guide with up to `max_edges` edges needs: a word for the pixel and one a position, one a normal.

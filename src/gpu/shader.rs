@@ -110,7 +110,7 @@ mod tests {
     /// Every combination of features and every flag set that the renderer or its tests use.
     #[test]
     fn every_shader_of_every_feature_set_validates() {
-        let flag_sets: [(&str, &[&[&str]]); 11] = [
+        let flag_sets: [(&str, &[&[&str]]); 13] = [
             (
                 "bidirectional",
                 &[
@@ -132,6 +132,8 @@ mod tests {
             ),
             ("bootstrap", &[&[], &["indirect"]]),
             ("gather", &[&[]]),
+            ("crossover", &[&[]]),
+            ("exchange", &[&[], &["maps"], &["two_stage"], &["maps", "two_stage"], &["probe"], &["twin_one_sided"]]),
             ("weigh", &[&[], &["probe"]]),
             (
                 "independence",

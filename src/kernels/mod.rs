@@ -5,6 +5,7 @@
 
 pub mod bidirectional;
 pub mod caustic;
+pub mod crossover;
 pub mod difference;
 pub mod guided_bidirectional;
 pub mod guided_caustic;
@@ -45,6 +46,8 @@ pub struct Kernel {
 pub enum Family {
     /// May change a path's type: before the lists are sorted.
     Structural,
+    /// As structural ones, but of a path of either half at once: after it both halves are new (METHOD.md C6d).
+    Pair,
     /// Keeps the type and starts on the light's side. These run before those at the camera, which keep no account of
     /// what they do to log C of the light's side.
     LightSide,
@@ -52,8 +55,15 @@ pub enum Family {
     CameraSide,
 }
 
+impl Family {
+    /// Whether kernels of the family keep the type of a path: they run over sorted lists.
+    pub fn keeps_types(self) -> bool {
+        matches!(self, Self::LightSide | Self::CameraSide)
+    }
+}
+
 /// Every kernel there is, in the order of their names on the command line.
-pub const ALL: [&Kernel; 13] = [
+pub const ALL: [&Kernel; 14] = [
     &independence::KERNEL,
     &bidirectional::KERNEL,
     &guided_bidirectional::KERNEL,
@@ -67,6 +77,7 @@ pub const ALL: [&Kernel; 13] = [
     &jump::KERNEL,
     &guided_multi_chain::KERNEL,
     &guided_caustic::KERNEL,
+    &crossover::KERNEL,
 ];
 
 /// Where a sweep from the camera ends (twin of `camera_sweep_end` in shaders/transport/path.wesl): index of the first

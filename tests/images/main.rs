@@ -6,6 +6,7 @@
 
 mod calibration;
 mod comparison;
+mod crossover;
 mod furnace;
 mod glass_furnace;
 mod invariance;

@@ -1,9 +1,9 @@
 //! Direct light apart (`--direct pt`) and the two-stage target (`--two-stage`): neither changes what an image tends to.
 
 use emlt::film::Image;
-use emlt::kernels::{Kernel, independence, lens};
+use emlt::kernels::{Kernel, crossover, independence, lens};
 use emlt::methods::Method::{Emlt, Mlt, Pt};
-use emlt::methods::{Direct, Method, Settings, Silent};
+use emlt::methods::{Direct, Method, Settings, Silent, default_mix};
 use glam::Vec3;
 
 use super::comparison::{Comparison, Power, Truth, check};
@@ -107,7 +107,8 @@ fn short_paths_are_all_direct() {
     assert!(s.notes.iter().any(|note| note.contains("--max-depth")), "{:?}", s.notes);
 }
 
-/// Under a sky: a grey ball over a plane that reflect each other, against a long path tracing.
+/// Under a sky: a grey ball over a plane that reflect each other, against a long path tracing. With crossovers, which give
+/// each other points of the sky.
 #[test]
 fn sky_with_both() {
     let mut lit = scene("tests/scenes/sphere_over_plane.glb");
@@ -122,7 +123,9 @@ fn sky_with_both() {
     let long = render(&lit, &limits);
     let variance = layers(&long.channels, &long.image);
     let truth = Truth { image: long.image, variance: Some(variance), tile: 8 };
-    let both = Settings { max_depth: 6, direct: Direct::Pt, two_stage: Some(0.5), ..settings(Emlt, [32, 24], 240) };
+    let kernels = Some([default_mix(Emlt), vec![(&crossover::KERNEL, 0.2)]].concat());
+    let both =
+        Settings { max_depth: 6, direct: Direct::Pt, two_stage: Some(0.5), kernels, ..settings(Emlt, [32, 24], 240) };
     check("sky with both", &replicates(&lit, &both, 16), &truth, Power { film: 0.03, tile: 0.2 });
 }
 
