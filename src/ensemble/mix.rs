@@ -174,9 +174,9 @@ mod tests {
     fn a_pass_over_both_halves_counts_twice() {
         for (weight, passes) in [(0.01, 1), (0.1, 1), (0.2, 2)] {
             let weights = [(&independence::KERNEL, 0.1), (&crossover::KERNEL, weight), (&lens::KERNEL, 1.0)];
-            let mix = Mix::new(&weights, MIRRORS);
+            let mix = Mix::new(&weights, mirrors());
             assert_eq!((mix.structural_passes(1), mix.perturbation_passes()), (passes, HALF_SWEEP - 2 - 2 * passes));
-            assert!(!mix.rota(TypeKey::from_tags(&[D, D]), MIRRORS).contains(&1));
+            assert!(!mix.rota(TypeKey::from_tags(&[D, D]), mirrors()).contains(&1));
         }
     }
 
