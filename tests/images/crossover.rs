@@ -10,7 +10,8 @@ use super::mitsuba::{COLOURED_BOX, FULL_DEPTH, reference, settings_for};
 use super::renders::{replicates, scene};
 
 #[test]
-fn coloured_box_by_crossovers() {
+#[ignore = "takes minutes; ./run test --long"]
+fn long_coloured_box_by_crossovers() {
     let truth = reference("coloured_box");
     let mix = "independence=0.1,crossover=0.4,lens=1,guided-lens=1,multi-chain=1,caustic=1";
     let settings = Settings {

@@ -60,7 +60,8 @@ fn furnace_by_emlt() {
 
 /// With at most 2 edges there is nothing for chains to do.
 #[test]
-fn furnace_with_direct_light_apart() {
+#[ignore = "takes minutes; ./run test --long"]
+fn long_furnace_with_direct_light_apart() {
     check(Method::Emlt, Direct::Pt, 2000, Power { film: 0.005, tile: 0.04 });
 }
 

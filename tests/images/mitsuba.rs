@@ -93,7 +93,8 @@ fn shards_by_pt() {
 }
 
 #[test]
-fn shards_by_mlt() {
+#[ignore = "takes minutes; ./run test --long"]
+fn long_shards_at_4_edges_by_mlt() {
     compare("shards_4_edges", SHARDS, 4, Mlt, [120, 16], Power { film: 0.01, tile: 0.25 });
 }
 
