@@ -5,6 +5,7 @@
 //! smaller steps, which change nothing but when the host hears of them.
 
 mod crossover;
+mod tallies;
 
 use std::collections::VecDeque;
 
@@ -17,15 +18,12 @@ use super::pool::{Pool, TypeKey};
 use super::similarity::similarity_median;
 use super::type_shares::TypeShares;
 use super::work::Work;
-use crate::gpu::layout::{
-    COUNTER_ACCEPTED, COUNTER_JUMP_HIGH, COUNTER_JUMP_LOW, COUNTER_NON_FINITE, COUNTER_RAYS, COUNTER_WORDS, JUMP_SCALE,
-    PassUniform, ROW_KEY, guide_rows, row_guide, unpack_position,
-};
+use crate::gpu::layout::{COUNTER_WORDS, PassUniform, ROW_KEY, guide_rows, row_guide, unpack_position};
 use crate::gpu::run::{Buffer, Dispatch, PASS_SLOTS, Run};
 use crate::kernels::Family;
 use crate::reference::rng;
-use crate::report::statistics::KernelStatistics;
 use crate::{Error, Result};
+use tallies::Tally;
 
 /// Dimension block from which the host draws the independence kernel's strategy.
 const DIMENSION_STRATEGY: u32 = 0xffff;
@@ -37,16 +35,6 @@ const INDEPENDENCE: usize = 0;
 struct Half {
     pool: Pool,
     similarity_median: f32,
-}
-
-/// Counts of one kernel over the run.
-#[derive(Debug, Clone, Copy, Default)]
-struct Tally {
-    mutations: u64,
-    accepted: u64,
-    non_finite: u64,
-    rays: u64,
-    jump_px2: f64,
 }
 
 /// Where a half-sweep stands between its steps.
@@ -357,21 +345,6 @@ impl Ensemble {
         Ok(Pool::build(&keys, self.first_path(half)))
     }
 
-    fn tally(&mut self, run: &mut Run) -> Result<()> {
-        let size = 4 * (self.tallies.len() * COUNTER_WORDS) as u64;
-        let bytes = run.read(Buffer::Counters, 0..size)?;
-        run.clear(Buffer::Counters);
-        let words: &[u32] = bytemuck::cast_slice(&bytes);
-        for (tally, words) in self.tallies.iter_mut().zip(words.chunks_exact(COUNTER_WORDS)) {
-            tally.accepted += u64::from(words[COUNTER_ACCEPTED]);
-            tally.non_finite += u64::from(words[COUNTER_NON_FINITE]);
-            tally.rays += u64::from(words[COUNTER_RAYS]);
-            let jump = f64::from(words[COUNTER_JUMP_LOW]) + f64::from(words[COUNTER_JUMP_HIGH]) * 2f64.powi(32);
-            tally.jump_px2 += jump / JUMP_SCALE;
-        }
-        Ok(())
-    }
-
     /// b and its standard error, from the candidates and all independent proposals since.
     pub fn b(&self) -> (f64, f64) {
         (self.b.mean(), self.b.standard_error())
@@ -390,31 +363,5 @@ impl Ensemble {
     /// How the target is shared among types of paths: by the start, and by the chains so far.
     pub fn types(&self) -> &TypeShares {
         &self.types
-    }
-
-    /// Rays of the start and of all mutations.
-    pub fn rays(&self) -> u64 {
-        self.bootstrap.rays + self.tallies.iter().map(|t| t.rays).sum::<u64>()
-    }
-
-    /// Counts per kernel.
-    pub fn kernel_statistics(&self) -> Vec<KernelStatistics> {
-        let mut statistics: Vec<KernelStatistics> = self
-            .mix
-            .kernels()
-            .zip(&self.tallies)
-            .map(|(kernel, tally)| KernelStatistics {
-                name: kernel.name.into(),
-                mutations: tally.mutations,
-                accepted: tally.accepted,
-                non_finite: tally.non_finite,
-                mean_squared_jump_px2: tally.jump_px2 / tally.mutations.max(1) as f64,
-            })
-            .collect();
-        if self.rests > 0 {
-            let name = "(none applies)".into();
-            statistics.push(KernelStatistics { name, mutations: self.rests, ..Default::default() });
-        }
-        statistics
     }
 }

