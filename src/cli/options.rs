@@ -8,6 +8,8 @@ use glam::Vec3;
 use crate::ensemble::guidance::{Guidance, MOST_GUIDES};
 use crate::ensemble::mix::Mix;
 use crate::methods::{Direct, MAX_SIDE, Method, Settings, default_size};
+use crate::scene::environment;
+use crate::scene::import::import;
 use crate::scene::{Camera, Scene};
 use crate::{Error, Result};
 
@@ -16,6 +18,10 @@ use crate::{Error, Result};
 pub struct Options {
     /// The scene: a glTF 2.0 file (.glb or .gltf)
     pub scene: PathBuf,
+
+    /// Light from all around: an equirectangular map, .hdr or .exr, whose centre is where an unturned camera looks
+    #[arg(long, value_name = "FILE")]
+    pub env: Option<PathBuf>,
 
     /// How to render
     #[arg(long, value_enum, default_value_t = Method::Emlt)]
@@ -88,6 +94,15 @@ pub enum Resemblance {
 }
 
 impl Options {
+    /// The scene, with the map around it that was asked for.
+    pub fn read_scene(&self) -> Result<Scene> {
+        let mut scene = import(&self.scene)?;
+        if let Some(path) = &self.env {
+            scene.set_environment(environment::read(path)?);
+        }
+        Ok(scene)
+    }
+
     /// Refuses what a method cannot do; `maps` is whether the maps are asked for.
     pub fn check(&self, maps: bool) -> Result<()> {
         if self.method != Method::Pt {

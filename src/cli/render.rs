@@ -11,8 +11,6 @@ use crate::methods::{self, Budget, Settings};
 use crate::report::outputs::{self, Outputs};
 use crate::report::progress::Progress;
 use crate::report::summary::{Summary, peak_memory_bytes};
-use crate::scene::environment;
-use crate::scene::import::import;
 use crate::{Error, Result};
 
 /// Render a scene to an EXR image, with a PNG preview beside it
@@ -33,10 +31,6 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS", conflicts_with = "spp", value_parser = parse_seconds)]
     time: Option<f64>,
 
-    /// Light from all around: an equirectangular map, .hdr or .exr, whose centre is where an unturned camera looks
-    #[arg(long, value_name = "FILE")]
-    env: Option<PathBuf>,
-
     /// Also write the mutation-direction maps: OUT.maps.png, and Maps.* in the EXR (mlt, emlt)
     #[arg(long)]
     maps: bool,
@@ -52,10 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for path in [Some(&outputs.exr), Some(&outputs.png), outputs.maps.as_ref()].into_iter().flatten() {
         file::check_writable(path)?;
     }
-    let mut scene = import(&arguments.options.scene)?;
-    if let Some(path) = &arguments.env {
-        scene.set_environment(environment::read(path)?);
-    }
+    let mut scene = arguments.options.read_scene()?;
     for warning in &scene.warnings {
         super::say("warning", warning);
     }

@@ -7,7 +7,6 @@ use clap::Args;
 use super::options::Options;
 use crate::Result;
 use crate::film::exr;
-use crate::scene::import::import;
 use crate::viewer::{self, Launch};
 
 /// Render a scene in a window, where settings and camera can be changed
@@ -27,7 +26,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     options.check(false)?;
     viewer::check_display()?;
     // Once more on the renderer's thread: here only so that a wrong name is said where it was typed.
-    let scene = import(&options.scene)?;
+    let scene = options.read_scene()?;
     let camera = options.view(&scene)?;
     let settings = options.settings(&camera)?;
     if let Some(path) = reference {
@@ -35,6 +34,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     viewer::run(Launch {
         scene: options.scene.clone(),
+        env: options.env.clone(),
         look: options.look_from.zip(options.look_at),
         size: options.size,
         reference: reference.clone(),

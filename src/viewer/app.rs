@@ -330,10 +330,11 @@ impl Viewer {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         match extension.as_deref() {
             Some("glb" | "gltf") => self.send(Command::Open(path.to_path_buf())),
-            Some("exr") => self.send(Command::Reference(path.to_path_buf())),
+            Some("exr") => self.send(Command::Image(path.to_path_buf())),
+            Some("hdr") => self.send(Command::Sky(path.to_path_buf())),
             _ => {
                 let text = format!(
-                    "{} is neither a scene nor an image: drop a .glb or .gltf scene, or an .exr reference",
+                    "{} is neither a scene nor an image: drop a .glb or .gltf scene, a sky (.hdr, .exr) or a reference (.exr)",
                     path.display()
                 );
                 self.note = Some(Note { text, error: true });

@@ -33,6 +33,9 @@ pub fn command_line(scene: &Opened, settings: &Settings, orbit: &Orbit, samples:
         flag("look-from", format!("{},{},{}", eye.x, eye.y, eye.z));
         flag("look-at", format!("{},{},{}", target.x, target.y, target.z));
     }
+    if let Some(sky) = &scene.sky {
+        flag("env", quoted(&sky.to_string_lossy()));
+    }
     if settings.seed != default.seed {
         flag("seed", settings.seed.to_string());
     }
@@ -102,6 +105,7 @@ mod tests {
         Opened {
             path: "scenes/my box.glb".into(),
             name: "my box".into(),
+            sky: None,
             triangles: 1,
             cameras: names.iter().map(camera).collect(),
             sphere: (Vec3::ZERO, 1.0),

@@ -26,6 +26,8 @@ pub struct Launch {
     /// The film's size, where it was asked for.
     pub size: Option<(u32, u32)>,
     pub reference: Option<PathBuf>,
+    /// A map around the scene.
+    pub env: Option<PathBuf>,
     /// The budget in it is not looked at.
     pub settings: Settings,
 }
@@ -122,7 +124,10 @@ pub fn run(launch: Launch) -> Result<()> {
                 screen::install(state);
             }
             let _ = ctx.set(creation.egui_ctx.clone());
-            let Launch { scene, look, size, reference, settings } = launch;
+            let Launch { scene, look, size, reference, env, settings } = launch;
+            if let Some(path) = env {
+                let _ = commands.send(Command::Sky(path));
+            }
             let viewer = Viewer::new(commands, events, &scene, settings, look, size.is_some(), reference.as_deref());
             Ok(Box::new(viewer))
         }),

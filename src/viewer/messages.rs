@@ -59,6 +59,10 @@ pub enum Command {
     Save(PathBuf),
     /// Compare with an image from now on.
     Reference(PathBuf),
+    /// Put a map around this scene and those that follow it.
+    Sky(PathBuf),
+    /// A sky or a reference, whichever the image's shape makes it: see `Worker::take_image`.
+    Image(PathBuf),
 }
 
 /// A scene that was read.
@@ -66,6 +70,8 @@ pub enum Command {
 pub struct Opened {
     pub path: PathBuf,
     pub name: String,
+    /// The map around it.
+    pub sky: Option<PathBuf>,
     pub triangles: usize,
     pub cameras: Vec<Camera>,
     /// Centre and radius.

@@ -108,6 +108,7 @@ fn opened() -> Opened {
     Opened {
         path: "box.glb".into(),
         name: "box".into(),
+        sky: None,
         triangles: 12,
         cameras: vec![camera("Main", 4.0), camera("Near", 2.0)],
         sphere: (Vec3::ZERO, 1.0),
@@ -243,13 +244,13 @@ fn the_left_button_and_the_wheel_move_the_image_alone() {
 fn files_are_taken_by_their_kind() {
     let mut window = Window::new();
     window.asked();
-    for path in ["a.GLB", "b.gltf", "c.exr", "d.txt"] {
+    for path in ["a.GLB", "b.gltf", "c.exr", "d.HDR", "e.txt"] {
         window.viewer.take_file(Path::new(path));
     }
     let asked = window.asked();
     assert!(
-        matches!(&asked[..], [Command::Open(a), Command::Open(b), Command::Reference(c)]
-            if a == Path::new("a.GLB") && b == Path::new("b.gltf") && c == Path::new("c.exr")),
+        matches!(&asked[..], [Command::Open(a), Command::Open(b), Command::Image(c), Command::Sky(d)]
+            if a == Path::new("a.GLB") && b == Path::new("b.gltf") && c == Path::new("c.exr") && d == Path::new("d.HDR")),
         "{asked:?}"
     );
     assert!(window.viewer.note.as_ref().unwrap().error);
@@ -349,4 +350,44 @@ fn the_renderer_works_without_a_window() {
     let saved = exr::read(&path.with_extension("emlt.exr")).unwrap();
     assert_eq!((saved.width, saved.height), (48, 36));
     assert!(*woken.lock().unwrap() > 4);
+}
+
+/// An image twice as wide as high is a sky, and the scene that is shown gets it; one of the picture's size is a reference.
+#[test]
+fn skies_and_references_are_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let renderer = launch::start(None, Arc::new(|| {})).unwrap();
+    let send = |command| renderer.commands.send(command).unwrap();
+    let opened = || {
+        wait_for(&renderer.events, "scene", |event| match event {
+            Event::Opened(opened) => Some(opened),
+            Event::Failed(sentence) => panic!("{sentence}"),
+            _ => None,
+        })
+    };
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    send(Command::Open(root.join("tests/scenes/sphere_over_plane.glb")));
+    let first = opened();
+    assert_eq!((first.sky, first.features.environment), (None, false));
+    let write = |name: &str, width: u32, height: u32| {
+        let path = folder.path().join(name);
+        let image = Image { width, height, pixels: vec![[0.5; 3]; (width * height) as usize] };
+        exr::write(&path, &image, &[], &[]).unwrap();
+        path
+    };
+    let settings = Settings { width: 32, height: 16, method: Method::Pt, ..Settings::default() };
+    let job = Job { settings, camera: first.cameras[0].clone(), second: None };
+    send(Command::Render(Box::new(job)));
+    send(Command::Image(write("same.exr", 32, 16)));
+    wait_for(&renderer.events, "reference", |event| match event {
+        Event::Reference(image) => Some(image),
+        Event::Failed(sentence) => panic!("{sentence}"),
+        _ => None,
+    });
+    let sky = write("sky.exr", 64, 32);
+    send(Command::Image(sky.clone()));
+    let lit = opened();
+    assert!(lit.sky == Some(sky) && lit.features.environment);
+    drop(renderer.commands);
+    renderer.thread.join().unwrap();
 }

@@ -17,7 +17,9 @@ use crate::film::{Image, exr, metrics};
 use crate::gpu::context::Context;
 use crate::methods::{Method, Outcome, Prepared, Session, Settings, Stage};
 use crate::report::outputs::{self, Outputs};
+use crate::scene::environment;
 use crate::scene::import::import;
+use crate::scene::light::Environment;
 use crate::scene::{Camera, Features, Scene};
 use crate::{Error, Result};
 
@@ -32,6 +34,7 @@ const BETWEEN_PROGRESS: Duration = Duration::from_millis(100);
 /// A scene with what was made of it for the device.
 struct Loaded {
     scene: Scene,
+    path: PathBuf,
     /// By the bits of the threshold below which lobes are specular.
     prepared: HashMap<u32, Prepared>,
 }
@@ -74,6 +77,7 @@ pub struct Worker<'a> {
     moving: bool,
     paused: bool,
     reference: Option<Arc<Image>>,
+    sky: Option<(PathBuf, Environment)>,
     progressed: Option<Instant>,
     saves: Vec<JoinHandle<()>>,
 }
@@ -92,6 +96,7 @@ impl<'a> Worker<'a> {
             moving: false,
             paused: false,
             reference: None,
+            sky: None,
             progressed: None,
             saves: Vec::new(),
         }
@@ -160,28 +165,60 @@ impl<'a> Worker<'a> {
             }
             Command::Pause(paused) => self.paused = paused,
             Command::Save(path) => self.save(&path)?,
-            Command::Reference(path) => self.compare_with(&path)?,
+            Command::Reference(path) => self.compare_with(&path, exr::read(&path)?)?,
+            Command::Sky(path) => self.set_sky(&path)?,
+            Command::Image(path) => self.take_image(&path)?,
         }
         Ok(())
     }
 
     /// The scene that is shown stays where the new one cannot be read.
     fn open(&mut self, path: &Path) -> Result<()> {
-        let scene = import(path)?;
+        let mut scene = import(path)?;
+        if let Some((_, environment)) = &self.sky {
+            scene.set_environment(environment.clone());
+        }
+        self.show_scene(scene, path.to_path_buf());
+        Ok(())
+    }
+
+    /// The scene that is shown gets another sky, as all that are opened later.
+    fn set_sky(&mut self, path: &Path) -> Result<()> {
+        let environment = environment::read(path)?;
+        self.sky = Some((path.to_path_buf(), environment.clone()));
+        if let Some(Loaded { mut scene, path, .. }) = self.loaded.take() {
+            scene.set_environment(environment);
+            self.show_scene(scene, path);
+        }
+        Ok(())
+    }
+
+    /// An image without a name for what it is: twice as wide as high it is a sky, unless it has the size of the picture;
+    /// any other is a reference.
+    fn take_image(&mut self, path: &Path) -> Result<()> {
+        let file = exr::read(path)?;
+        let film = self.job.as_ref().map(|job| (job.settings.width, job.settings.height));
+        if file.width == 2 * file.height && film != Some((file.width, file.height)) {
+            return self.set_sky(path);
+        }
+        self.compare_with(path, file)
+    }
+
+    fn show_scene(&mut self, scene: Scene, path: PathBuf) {
         let opened = Opened {
-            path: path.to_path_buf(),
+            path: path.clone(),
             name: scene.name.clone(),
+            sky: self.sky.as_ref().map(|(path, _)| path.clone()),
             triangles: scene.triangles.len(),
             cameras: scene.cameras.clone(),
             sphere: scene.bounding_sphere(),
             features: Features::of(&scene),
             warnings: scene.warnings.clone(),
         };
-        self.loaded = Some(Loaded { scene, prepared: HashMap::new() });
+        self.loaded = Some(Loaded { scene, path, prepared: HashMap::new() });
         self.job = None;
         self.restart();
         self.out.send(Event::Opened(Box::new(opened)));
-        Ok(())
     }
 
     fn restart(&mut self) {
@@ -285,8 +322,8 @@ impl<'a> Worker<'a> {
         Ok(())
     }
 
-    fn compare_with(&mut self, path: &Path) -> Result<()> {
-        let image = exr::read(path)?.image("").ok_or_else(|| {
+    fn compare_with(&mut self, path: &Path, file: exr::ExrFile) -> Result<()> {
+        let image = file.image("").ok_or_else(|| {
             Error::input(format!("{} has no channels R, G, B: choose another reference", path.display()))
         })?;
         let image = Arc::new(image);
