@@ -249,6 +249,7 @@ mod tests {
             Features { mixed: true, environment: true, ..Features::default() },
             Features { textured: true, blended: true, masked: true, ..Features::default() },
         ];
+        let mut sets = Vec::new();
         for (bits, textured) in (0..64u32).flat_map(|bits| textured.map(|textured| (bits, textured))) {
             if textured != Features::default() && ![0, 63].contains(&bits) {
                 continue;
@@ -273,6 +274,9 @@ mod tests {
             if (specular && !features.mirror) || (features.rough_glass && !features.glossy) {
                 continue; // glass reflects, so it always brings the reflection of its kind
             }
+            sets.push(features);
+        }
+        let check = |features: Features| {
             for (pass, sets) in flag_sets {
                 for flags in sets {
                     let variant = Variant { pass, features, max_edges: 12, flags: flags.to_vec() };
@@ -280,7 +284,13 @@ mod tests {
                     validate(&text).unwrap_or_else(|e| panic!("{variant:?}: {e}"));
                 }
             }
-        }
+        };
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        std::thread::scope(|scope| {
+            for sets in sets.chunks(sets.len().div_ceil(threads)) {
+                scope.spawn(move || sets.iter().for_each(|features| check(*features)));
+            }
+        });
     }
 
     #[test]

@@ -3,12 +3,12 @@
 use emlt::film::Image;
 use emlt::kernels::{Kernel, crossover, independence, lens};
 use emlt::methods::Method::{Emlt, Mlt, Pt};
-use emlt::methods::{Direct, Method, Settings, Silent, default_mix};
+use emlt::methods::{Direct, Method, Settings, default_mix};
 use glam::Vec3;
 
 use super::comparison::{Comparison, Power, Truth, check};
 use super::mitsuba::{COLOURED_BOX, FULL_DEPTH, SHARDS, reference, settings_for};
-use super::renders::{render, replicates, scene, settings};
+use super::renders::{render, render_unchecked, replicates, scene, settings};
 
 /// Who renders direct light, and the exponent of the two-stage target.
 type Options = (Direct, Option<f64>);
@@ -74,10 +74,7 @@ fn twins_of_the_two_stage_target_are_caught() {
             ..settings_for(&truth, Mlt, FULL_DEPTH, 120)
         };
         // Lost weight shows in the statistics at once; here the image alone has to tell.
-        let image = |seed| {
-            let settings = Settings { seed, ..settings.clone() };
-            emlt::methods::render(&scene, &settings, &mut Silent).unwrap_or_else(|e| panic!("{e}")).image
-        };
+        let image = |seed| render_unchecked(&scene, &Settings { seed, ..settings.clone() }).image;
         let comparison = Comparison::new(&(1..=12).map(image).collect::<Vec<_>>(), &truth);
         println!("{}", comparison.report(&format!("twin: {twin}")));
         assert_eq!(comparison.passes(), twin == "none", "{twin}");

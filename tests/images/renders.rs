@@ -24,9 +24,13 @@ pub fn settings(method: Method, [width, height]: [u32; 2], samples_per_pixel: u3
     Settings { method, width, height, budget, ensemble: 2048, candidates: 1 << 18, ..Settings::default() }
 }
 
+pub fn render_unchecked(scene: &Scene, settings: &Settings) -> Outcome {
+    emlt::methods::render_on(&DEVICE, scene, settings, &mut Silent).unwrap_or_else(|e| panic!("{e}"))
+}
+
 /// Renders and checks that no energy got lost: weight 1 a mutation on the film (METHOD.md 1.4), nothing not finite.
 pub fn render(scene: &Scene, settings: &Settings) -> Outcome {
-    let outcome = emlt::methods::render_on(&DEVICE, scene, settings, &mut Silent).unwrap_or_else(|e| panic!("{e}"));
+    let outcome = render_unchecked(scene, settings);
     let statistics = &outcome.statistics;
     let name = format!("{} by {}, seed {}", scene.name, settings.method.name(), settings.seed);
     // Direct light alone takes no mutations.
