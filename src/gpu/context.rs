@@ -1,7 +1,7 @@
 //! The device: found, described, opened.
 
 use std::collections::HashMap;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use super::shader::Variant;
 use crate::{Error, Result};
@@ -18,6 +18,15 @@ pub struct Context {
     /// Pipelines that have run on the device, so that a renderer that starts again need not compile again. Their layouts
     /// are the same for every run.
     pipelines: Mutex<HashMap<Variant, wgpu::ComputePipeline>>,
+    fault: Arc<OnceLock<Fault>>,
+}
+
+/// What a device has said of itself outside of any call; nothing that it does afterwards can be relied on.
+#[derive(Debug, Clone)]
+enum Fault {
+    Lost(String),
+    OutOfMemory,
+    Other(String),
 }
 
 /// A device that could be opened.
@@ -94,9 +103,21 @@ impl Context {
         Ok(Self::over(adapter, device, queue))
     }
 
-    /// Shares a device that another part of the program has opened, with at least [`limits`].
-    pub fn over(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Self {
+    fn over(adapter: &wgpu::Adapter, device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let description = describe(&adapter.get_info());
+        // The first fault explains those that follow from it.
+        let fault = Arc::new(OnceLock::new());
+        let told = Arc::clone(&fault);
+        device.set_device_lost_callback(move |_, message| {
+            let _ = told.set(Fault::Lost(message));
+        });
+        let told = Arc::clone(&fault);
+        device.on_uncaptured_error(Arc::new(move |error| {
+            let _ = told.set(match error {
+                wgpu::Error::OutOfMemory { .. } => Fault::OutOfMemory,
+                error => Fault::Other(error.to_string()),
+            });
+        }));
         Self {
             adapter: adapter.clone(),
             device,
@@ -104,6 +125,29 @@ impl Context {
             description: format!("{} ({})", description.name, description.driver),
             software: description.software,
             pipelines: Mutex::default(),
+            fault,
+        }
+    }
+
+    /// Whether the device is gone: whoever wants to go on opens another.
+    pub fn is_lost(&self) -> bool {
+        matches!(self.fault.get(), Some(Fault::Lost(_)))
+    }
+
+    /// An error once anything has gone wrong on the device, as it says outside of any call.
+    pub(super) fn check(&self) -> Result<()> {
+        match self.fault.get() {
+            None => Ok(()),
+            Some(Fault::Lost(why)) => Err(Error::runtime(format!(
+                "the device was lost ({}): run again, and if it happens again choose another with --device",
+                why.lines().next().unwrap_or_default()
+            ))),
+            Some(Fault::OutOfMemory) => Err(Error::runtime(
+                "the device has not enough memory: choose a smaller --size or --ensemble, or another --device",
+            )),
+            Some(Fault::Other(why)) => {
+                Err(Error::runtime(format!("the device refuses its work, please report it: {why}")))
+            }
         }
     }
 

@@ -120,6 +120,7 @@ impl<'a> Run<'a> {
             &[&uniforms, &chains, &lists, &output, &counters, &strategies],
             Some((0, size_of::<PassUniform>() as u64)),
         );
+        context.check()?;
         Ok(Self {
             context,
             scene,
@@ -229,7 +230,7 @@ impl<'a> Run<'a> {
             }
         }
         self.hand_over(encoder);
-        Ok(())
+        self.context.check()
     }
 
     fn hand_over(&mut self, encoder: wgpu::CommandEncoder) {
@@ -244,6 +245,8 @@ impl<'a> Run<'a> {
         let start = Instant::now();
         let result = self.context.device.poll(wgpu::PollType::wait_indefinitely());
         self.device_time += start.elapsed();
+        // What the device says of itself explains more than that it stopped.
+        self.context.check()?;
         result.map(|_| ()).map_err(|e| Error::runtime(format!("the device stopped answering: {e}")))
     }
 
@@ -288,6 +291,7 @@ impl<'a> Run<'a> {
             at += size;
         }
         self.hand_over(encoder);
+        self.context.check()?;
         let slice = staging.slice(..total);
         slice.map_async(wgpu::MapMode::Read, |_| ());
         self.wait()?;

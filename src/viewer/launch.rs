@@ -12,7 +12,7 @@ use glam::Vec3;
 use super::app::Viewer;
 use super::messages::{Command, Event, Outbox};
 use super::screen;
-use super::worker::Worker;
+use super::worker::{State, Worker};
 use crate::gpu::context::Context;
 use crate::methods::Settings;
 use crate::{Error, Result};
@@ -71,7 +71,8 @@ pub fn start(device: Option<String>, wake: Arc<dyn Fn() + Send + Sync>) -> Resul
         match Context::open(device.as_deref()) {
             Ok(context) => {
                 let _ = opened.send(Ok(()));
-                Worker::new(&context, inbox, Outbox { events: sender, wake }).run();
+                let state = State::new(inbox, Outbox { events: sender, wake });
+                work(context, state, || Context::open(device.as_deref()));
             }
             Err(error) => {
                 let _ = opened.send(Err(error));
@@ -81,6 +82,20 @@ pub fn start(device: Option<String>, wake: Arc<dyn Fn() + Send + Sync>) -> Resul
     let thread = spawned.map_err(|e| Error::runtime(format!("the renderer's thread could not be started: {e}")))?;
     open.recv().unwrap_or_else(|_| Err(Error::runtime("the renderer's thread ended early: please report it")))?;
     Ok(Renderer { commands, events, thread })
+}
+
+/// Renders on `context`, and should it be lost, once more on another: the scene, the settings and what is compared stay,
+/// the image begins anew.
+pub(super) fn work(context: Context, state: State, another: impl FnOnce() -> Result<Context>) {
+    let Some(state) = Worker::new(&context, state).run() else { return };
+    drop(context);
+    match another() {
+        Ok(context) => {
+            state.out.send(Event::Note("the device was lost and opened again: the image begins anew".into()));
+            Worker::new(&context, state).run();
+        }
+        Err(error) => state.out.send(Event::Failed(error.to_string())),
+    }
 }
 
 /// Lowers this thread's priority, and so that of the threads that a software driver starts from it.

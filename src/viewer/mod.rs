@@ -14,6 +14,8 @@ mod launch;
 mod messages;
 mod orbit;
 mod preview;
+#[cfg(test)]
+mod renderer_tests;
 mod screen;
 mod settings;
 mod slot;

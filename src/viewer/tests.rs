@@ -1,19 +1,17 @@
 //! The window without a display: frames are run by hand, keys and clicks are put in, and what it asks of the renderer is
-//! read from the channel. And the renderer's thread without a window.
+//! read from the channel.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, Sender};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
 
 use eframe::egui::{self, Event as Input, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, Vec2};
 use glam::{Affine3A, Vec3};
 
 use super::app::Viewer;
-use super::launch;
 use super::messages::{Command, ErrorPoint, Event, Job, Opened, Picture};
 use super::tone::{Curve, Tone};
-use crate::film::{Image, exr};
+use crate::film::Image;
 use crate::methods::{Method, Settings, Stage};
 use crate::scene::{Camera, Features};
 
@@ -285,109 +283,4 @@ fn a_reference_gives_a_curve_unless_its_size_differs() {
     window.frame(vec![]);
     window.frame(vec![]);
     assert_eq!(window.viewer.slots[0].errors.len(), 3);
-}
-
-/// The renderer's thread, with what it has sent.
-fn wait_for<T>(events: &Receiver<Event>, what: &str, mut wanted: impl FnMut(Event) -> Option<T>) -> T {
-    let start = Instant::now();
-    while start.elapsed() < Duration::from_secs(120) {
-        let event = events.recv_timeout(Duration::from_millis(100));
-        if let Some(found) = event.ok().and_then(&mut wanted) {
-            return found;
-        }
-    }
-    panic!("no {what} came");
-}
-
-/// Previews, pictures, another method, a pause, a save that outlives the window, and an unreadable file in between.
-#[test]
-fn the_renderer_works_without_a_window() {
-    let folder = tempfile::tempdir().unwrap();
-    let woken = Arc::new(Mutex::new(0));
-    let counter = Arc::clone(&woken);
-    let renderer = launch::start(None, Arc::new(move || *counter.lock().unwrap() += 1)).unwrap();
-    let send = |command| renderer.commands.send(command).unwrap();
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.glb");
-    send(Command::Open(scene));
-    let opened = wait_for(&renderer.events, "scene", |event| match event {
-        Event::Opened(opened) => Some(opened),
-        event => panic!("{event:?}"),
-    });
-    let settings = Settings { width: 48, height: 36, maps: true, ensemble: 1024, ..Settings::default() };
-    let job = Job { settings, camera: opened.cameras[0].clone(), second: Some(Method::Pt) };
-    send(Command::Render(Box::new(job)));
-    let picture = |slot: usize, preview: bool| {
-        move |event| match event {
-            Event::Picture { slot: s, picture, .. } if s == slot && picture.preview == preview => Some(picture),
-            Event::Failed(sentence) => panic!("{sentence}"),
-            _ => None,
-        }
-    };
-    let first = wait_for(&renderer.events, "preview", picture(0, true)).image.unwrap();
-    assert!(first.pixels.iter().flatten().all(|v| v.is_finite()));
-    let traced = wait_for(&renderer.events, "picture by pt", picture(1, false));
-    assert!(traced.own_error.is_some() && traced.maps.is_none());
-    let chains = wait_for(&renderer.events, "picture by emlt", picture(0, false));
-    assert!(chains.statistics.samples > 0 && chains.maps.is_some());
-    // An unreadable file changes nothing but the status line.
-    send(Command::Open(PathBuf::from("absent.glb")));
-    let sentence = wait_for(&renderer.events, "sentence", |event| match event {
-        Event::Failed(sentence) => Some(sentence),
-        _ => None,
-    });
-    assert!(sentence.contains("absent.glb"), "{sentence}");
-    let later = wait_for(&renderer.events, "later picture", picture(0, false));
-    assert!(later.statistics.samples > chains.statistics.samples);
-    send(Command::Pause(true));
-    let path = folder.path().join("a.exr");
-    send(Command::Save(path.clone()));
-    // The window closes at once; the files are whole all the same.
-    drop(renderer.commands);
-    renderer.thread.join().unwrap();
-    for name in ["a.emlt.exr", "a.emlt.png", "a.emlt.maps.png", "a.pt.exr", "a.pt.png"] {
-        assert!(folder.path().join(name).exists(), "{name}");
-    }
-    let saved = exr::read(&path.with_extension("emlt.exr")).unwrap();
-    assert_eq!((saved.width, saved.height), (48, 36));
-    assert!(*woken.lock().unwrap() > 4);
-}
-
-/// An image twice as wide as high is a sky, and the scene that is shown gets it; one of the picture's size is a reference.
-#[test]
-fn skies_and_references_are_told_apart() {
-    let folder = tempfile::tempdir().unwrap();
-    let renderer = launch::start(None, Arc::new(|| {})).unwrap();
-    let send = |command| renderer.commands.send(command).unwrap();
-    let opened = || {
-        wait_for(&renderer.events, "scene", |event| match event {
-            Event::Opened(opened) => Some(opened),
-            Event::Failed(sentence) => panic!("{sentence}"),
-            _ => None,
-        })
-    };
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    send(Command::Open(root.join("tests/scenes/sphere_over_plane.glb")));
-    let first = opened();
-    assert_eq!((first.sky, first.features.environment), (None, false));
-    let write = |name: &str, width: u32, height: u32| {
-        let path = folder.path().join(name);
-        let image = Image { width, height, pixels: vec![[0.5; 3]; (width * height) as usize] };
-        exr::write(&path, &image, &[], &[]).unwrap();
-        path
-    };
-    let settings = Settings { width: 32, height: 16, method: Method::Pt, ..Settings::default() };
-    let job = Job { settings, camera: first.cameras[0].clone(), second: None };
-    send(Command::Render(Box::new(job)));
-    send(Command::Image(write("same.exr", 32, 16)));
-    wait_for(&renderer.events, "reference", |event| match event {
-        Event::Reference(image) => Some(image),
-        Event::Failed(sentence) => panic!("{sentence}"),
-        _ => None,
-    });
-    let sky = write("sky.exr", 64, 32);
-    send(Command::Image(sky.clone()));
-    let lit = opened();
-    assert!(lit.sky == Some(sky) && lit.features.environment);
-    drop(renderer.commands);
-    renderer.thread.join().unwrap();
 }

@@ -62,57 +62,64 @@ struct Track<'a> {
     showing: Duration,
 }
 
+/// What a renderer needs to go on where another left off: all but what lives on the device.
+pub struct State {
+    inbox: Receiver<Command>,
+    pub out: Outbox,
+    loaded: Option<Loaded>,
+    job: Option<Job>,
+    moving: bool,
+    paused: bool,
+    reference: Option<Arc<Image>>,
+    sky: Option<(PathBuf, Environment)>,
+    saves: Vec<JoinHandle<()>>,
+}
+
+impl State {
+    pub fn new(inbox: Receiver<Command>, out: Outbox) -> Self {
+        Self {
+            inbox,
+            out,
+            loaded: None,
+            job: None,
+            moving: false,
+            paused: false,
+            reference: None,
+            sky: None,
+            saves: Vec::new(),
+        }
+    }
+}
+
 /// The renderer between two steps.
 pub struct Worker<'a> {
     context: &'a Context,
-    inbox: Receiver<Command>,
-    out: Outbox,
-    loaded: Option<Loaded>,
-    job: Option<Job>,
+    state: State,
     /// Empty before the first step of a job, and while the camera moves.
     tracks: Vec<Track<'a>>,
     preview: Option<Preview<'a>>,
     /// The job cannot go on; the window has heard why.
     failed: bool,
-    moving: bool,
-    paused: bool,
-    reference: Option<Arc<Image>>,
-    sky: Option<(PathBuf, Environment)>,
     progressed: Option<Instant>,
-    saves: Vec<JoinHandle<()>>,
 }
 
 impl<'a> Worker<'a> {
-    pub fn new(context: &'a Context, inbox: Receiver<Command>, out: Outbox) -> Self {
-        Self {
-            context,
-            inbox,
-            out,
-            loaded: None,
-            job: None,
-            tracks: Vec::new(),
-            preview: None,
-            failed: false,
-            moving: false,
-            paused: false,
-            reference: None,
-            sky: None,
-            progressed: None,
-            saves: Vec::new(),
-        }
+    pub fn new(context: &'a Context, state: State) -> Self {
+        Self { context, state, tracks: Vec::new(), preview: None, failed: false, progressed: None }
     }
 
-    /// Works until the window is gone, then waits for what is being saved.
-    pub fn run(mut self) {
+    /// Works until the window is gone, then waits for what is being saved; or until the device is lost, and returns what
+    /// another renderer needs to go on.
+    pub fn run(mut self) -> Option<State> {
         loop {
             let command = if self.has_work() {
-                match self.inbox.try_recv() {
+                match self.state.inbox.try_recv() {
                     Ok(command) => Some(command),
                     Err(TryRecvError::Empty) => None,
                     Err(TryRecvError::Disconnected) => break,
                 }
             } else {
-                match self.inbox.recv() {
+                match self.state.inbox.recv() {
                     Ok(command) => Some(command),
                     Err(_) => break,
                 }
@@ -122,48 +129,52 @@ impl<'a> Worker<'a> {
                 None => self.step(),
             };
             if let Err(error) = done {
-                self.out.send(Event::Failed(error.to_string()));
+                self.state.out.send(Event::Failed(error.to_string()));
+                if self.context.is_lost() {
+                    return Some(self.state);
+                }
             }
         }
-        for save in self.saves {
+        for save in self.state.saves {
             // It has said itself what went wrong.
             let _ = save.join();
         }
+        None
     }
 
     /// Whether a step would do anything.
     fn has_work(&self) -> bool {
-        if self.failed || self.job.is_none() || self.loaded.is_none() {
+        if self.failed || self.state.job.is_none() || self.state.loaded.is_none() {
             return false;
         }
         let previews = self.needs_preview() && self.preview.as_ref().is_none_or(|preview| !preview.is_enough());
-        let renders = !self.moving && (!self.paused || self.tracks.is_empty());
+        let renders = !self.state.moving && (!self.state.paused || self.tracks.is_empty());
         previews || renders
     }
 
     fn needs_preview(&self) -> bool {
-        self.moving || self.tracks.is_empty() || self.tracks.iter().any(|track| track.shown.is_none())
+        self.state.moving || self.tracks.is_empty() || self.tracks.iter().any(|track| track.shown.is_none())
     }
 
     fn obey(&mut self, command: Command) -> Result<()> {
         match command {
             Command::Open(path) => self.open(&path)?,
             Command::Render(job) => {
-                self.job = Some(*job);
+                self.state.job = Some(*job);
                 self.restart();
             }
             Command::Look(camera) => {
-                if let Some(job) = &mut self.job {
+                if let Some(job) = &mut self.state.job {
                     job.camera = camera;
                     self.restart();
                 }
             }
             Command::Moving(moving) => {
-                self.moving = moving;
+                self.state.moving = moving;
                 // A camera that stands still deserves a finer one.
                 self.preview = None;
             }
-            Command::Pause(paused) => self.paused = paused,
+            Command::Pause(paused) => self.state.paused = paused,
             Command::Save(path) => self.save(&path)?,
             Command::Reference(path) => self.compare_with(&path, exr::read(&path)?)?,
             Command::Sky(path) => self.set_sky(&path)?,
@@ -175,7 +186,7 @@ impl<'a> Worker<'a> {
     /// The scene that is shown stays where the new one cannot be read.
     fn open(&mut self, path: &Path) -> Result<()> {
         let mut scene = import(path)?;
-        if let Some((_, environment)) = &self.sky {
+        if let Some((_, environment)) = &self.state.sky {
             scene.set_environment(environment.clone());
         }
         self.show_scene(scene, path.to_path_buf());
@@ -185,8 +196,8 @@ impl<'a> Worker<'a> {
     /// The scene that is shown gets another sky, as all that are opened later.
     fn set_sky(&mut self, path: &Path) -> Result<()> {
         let environment = environment::read(path)?;
-        self.sky = Some((path.to_path_buf(), environment.clone()));
-        if let Some(Loaded { mut scene, path, .. }) = self.loaded.take() {
+        self.state.sky = Some((path.to_path_buf(), environment.clone()));
+        if let Some(Loaded { mut scene, path, .. }) = self.state.loaded.take() {
             scene.set_environment(environment);
             self.show_scene(scene, path);
         }
@@ -197,7 +208,7 @@ impl<'a> Worker<'a> {
     /// any other is a reference.
     fn take_image(&mut self, path: &Path) -> Result<()> {
         let file = exr::read(path)?;
-        let film = self.job.as_ref().map(|job| (job.settings.width, job.settings.height));
+        let film = self.state.job.as_ref().map(|job| (job.settings.width, job.settings.height));
         if file.width == 2 * file.height && film != Some((file.width, file.height)) {
             return self.set_sky(path);
         }
@@ -208,17 +219,17 @@ impl<'a> Worker<'a> {
         let opened = Opened {
             path: path.clone(),
             name: scene.name.clone(),
-            sky: self.sky.as_ref().map(|(path, _)| path.clone()),
+            sky: self.state.sky.as_ref().map(|(path, _)| path.clone()),
             triangles: scene.triangles.len(),
             cameras: scene.cameras.clone(),
             sphere: scene.bounding_sphere(),
             features: Features::of(&scene),
             warnings: scene.warnings.clone(),
         };
-        self.loaded = Some(Loaded { scene, path, prepared: HashMap::new() });
-        self.job = None;
+        self.state.loaded = Some(Loaded { scene, path, prepared: HashMap::new() });
+        self.state.job = None;
         self.restart();
-        self.out.send(Event::Opened(Box::new(opened)));
+        self.state.out.send(Event::Opened(Box::new(opened)));
     }
 
     fn restart(&mut self) {
@@ -243,9 +254,9 @@ impl<'a> Worker<'a> {
             self.preview = None;
             return Ok(());
         }
-        let (Some(loaded), Some(job)) = (&mut self.loaded, &self.job) else { return Ok(()) };
+        let (Some(loaded), Some(job)) = (&mut self.state.loaded, &self.state.job) else { return Ok(()) };
         if self.preview.is_none() {
-            let settings = Preview::settings(&job.settings, self.moving);
+            let settings = Preview::settings(&job.settings, self.state.moving);
             let prepared = loaded.prepared(&settings, &job.camera)?;
             self.preview = Some(Preview::start(self.context, prepared, &settings)?);
         }
@@ -255,7 +266,7 @@ impl<'a> Worker<'a> {
             for slot in 0..job.pictures().len() {
                 if self.tracks.get(slot).is_none_or(|track| track.shown.is_none()) {
                     let picture = Picture { image: Some(Arc::clone(&image)), preview: true, ..Picture::default() };
-                    self.out.send(Event::Picture { slot, picture: Box::new(picture), error: None });
+                    self.state.out.send(Event::Picture { slot, picture: Box::new(picture), error: None });
                 }
             }
         }
@@ -264,10 +275,10 @@ impl<'a> Worker<'a> {
 
     /// A step of the picture that has had the least time.
     fn render_step(&mut self) -> Result<()> {
-        if self.moving {
+        if self.state.moving {
             return Ok(());
         }
-        let (Some(loaded), Some(job)) = (&mut self.loaded, &self.job) else { return Ok(()) };
+        let (Some(loaded), Some(job)) = (&mut self.state.loaded, &self.state.job) else { return Ok(()) };
         if self.tracks.is_empty() {
             for settings in job.pictures() {
                 let prepared = loaded.prepared(&settings, &job.camera)?;
@@ -276,7 +287,7 @@ impl<'a> Worker<'a> {
                 self.tracks.push(Track { settings, session, spent, shown: None, showing });
             }
         }
-        if self.paused {
+        if self.state.paused {
             return Ok(());
         }
         // The slowest set-up first: nobody's time runs meanwhile.
@@ -291,7 +302,7 @@ impl<'a> Worker<'a> {
         } else if self.progressed.is_none_or(|at| at.elapsed() > BETWEEN_PROGRESS) {
             self.progressed = Some(Instant::now());
             let share = track.session.share();
-            self.out.send(Event::Progress { slot, stage, share });
+            self.state.out.send(Event::Progress { slot, stage, share });
         }
         let wait = BETWEEN_PICTURES.max(track.showing.div_f64(PICTURES_SHARE));
         let due = track.shown.is_none_or(|at| at.elapsed() > wait);
@@ -306,7 +317,7 @@ impl<'a> Worker<'a> {
         let track = &mut self.tracks[slot];
         let start = Instant::now();
         let Outcome { image, channels, statistics } = track.session.snapshot()?;
-        let error = self.reference.as_ref().and_then(|reference| {
+        let error = self.state.reference.as_ref().and_then(|reference| {
             // Of another size: that was said when it was loaded, or will be by the window.
             let errors = metrics::compare(&image, reference, None).ok()?;
             let seconds = statistics.render_s;
@@ -318,7 +329,7 @@ impl<'a> Worker<'a> {
         let picture = Picture { image: Some(Arc::new(image)), maps, statistics, own_error, preview: false };
         track.showing = start.elapsed();
         track.shown = Some(Instant::now());
-        self.out.send(Event::Picture { slot, picture: Box::new(picture), error });
+        self.state.out.send(Event::Picture { slot, picture: Box::new(picture), error });
         Ok(())
     }
 
@@ -327,8 +338,8 @@ impl<'a> Worker<'a> {
             Error::input(format!("{} has no channels R, G, B: choose another reference", path.display()))
         })?;
         let image = Arc::new(image);
-        self.reference = Some(Arc::clone(&image));
-        self.out.send(Event::Reference(image));
+        self.state.reference = Some(Arc::clone(&image));
+        self.state.out.send(Event::Reference(image));
         // A paused picture is measured too.
         for slot in 0..self.tracks.len() {
             if self.tracks[slot].shown.is_some() && self.tracks[slot].session.is_whole() {
@@ -340,7 +351,7 @@ impl<'a> Worker<'a> {
 
     /// Takes the pictures as they stand; the files are written on a thread of their own, which outlives the window.
     fn save(&mut self, path: &Path) -> Result<()> {
-        let Some(loaded) = &self.loaded else { return Ok(()) };
+        let Some(loaded) = &self.state.loaded else { return Ok(()) };
         if self.tracks.is_empty() || self.tracks.iter().any(|track| !track.session.has_image()) {
             return Err(Error::input("there is no image to save yet: wait until the preview has gone"));
         }
@@ -356,9 +367,9 @@ impl<'a> Worker<'a> {
         }
         // The file's header needs the name alone.
         let scene = Scene { name: loaded.scene.name.clone(), ..Scene::default() };
-        let out = self.out.clone();
-        self.saves.retain(|save| !save.is_finished());
-        self.saves.push(thread::spawn(move || {
+        let out = self.state.out.clone();
+        self.state.saves.retain(|save| !save.is_finished());
+        self.state.saves.push(thread::spawn(move || {
             for (outputs, settings, outcome) in writes {
                 out.send(match outputs::write(&outputs, &scene, &settings, &outcome) {
                     Ok(_) => Event::Note(format!("saved {} with its preview", outputs.exr.display())),
