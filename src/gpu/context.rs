@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-use super::shader::Variant;
+use super::shader::{Sources, Variant, validate};
 use crate::{Error, Result};
 
 /// An open device with its queue.
@@ -19,6 +19,7 @@ pub struct Context {
     /// are the same for every run.
     pipelines: Mutex<HashMap<Variant, wgpu::ComputePipeline>>,
     fault: Arc<OnceLock<Fault>>,
+    sources: Mutex<Sources>,
 }
 
 /// What a device has said of itself outside of any call; nothing that it does afterwards can be relied on.
@@ -126,6 +127,7 @@ impl Context {
             software: description.software,
             pipelines: Mutex::default(),
             fault,
+            sources: Mutex::default(),
         }
     }
 
@@ -153,8 +155,29 @@ impl Context {
 
     /// What opens another device of the same kind, which shares nothing but the driver's caches.
     pub(super) fn another(&self) -> impl FnOnce() -> Result<Self> + Send + 'static {
-        let adapter = self.adapter.clone();
-        move || Self::on(&adapter)
+        let (adapter, sources) = (self.adapter.clone(), self.sources());
+        move || Self::on(&adapter).map(|context| Self { sources: Mutex::new(sources), ..context })
+    }
+
+    /// The sources of pipelines that are built from now on.
+    pub(super) fn sources(&self) -> Sources {
+        self.sources.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Takes other sources if every shader in use can be made of them; then all pipelines are to be built anew.
+    pub fn set_sources(&self, sources: Sources) -> Result<()> {
+        let mut pipelines = self.pipelines();
+        for variant in pipelines.keys() {
+            let valid = sources.compose(variant).and_then(|text| validate(&text));
+            // Composer and validator draw pictures of several lines.
+            let sentence = |why: String| why.split_whitespace().collect::<Vec<_>>().join(" ");
+            valid.map_err(|why| {
+                Error::input(format!("the last good shaders stay, {} has a fault: {}", variant.pass, sentence(why)))
+            })?;
+        }
+        pipelines.clear();
+        *self.sources.lock().unwrap_or_else(PoisonError::into_inner) = sources;
+        Ok(())
     }
 
     pub(super) fn pipelines(&self) -> MutexGuard<'_, HashMap<Variant, wgpu::ComputePipeline>> {

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use super::context::Context;
 use super::run::{Run, Sizes};
 use super::scene::SceneData;
-use super::shader::{Variant, compose};
+use super::shader::{Sources, Variant};
 use crate::{Error, Result};
 
 /// A first dispatch that takes longer has compiled; a shorter one found its code in the driver's cache.
@@ -21,6 +21,7 @@ pub type Built = Vec<(Variant, wgpu::ComputePipeline)>;
 /// Builds pipelines for a run, and needs nothing of it while it does.
 pub struct Builder {
     pub(super) device: wgpu::Device,
+    pub(super) sources: Sources,
     /// Bind groups 0 and 1.
     pub(super) layouts: [wgpu::BindGroupLayout; 2],
 }
@@ -40,7 +41,7 @@ impl Builder {
     }
 
     pub(super) fn build(&self, variant: &Variant) -> Result<wgpu::ComputePipeline> {
-        let text = compose(variant)
+        let text = (self.sources.compose(variant))
             .map_err(|e| Error::runtime(format!("a shader does not compose, please report it: {e}")))?;
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {

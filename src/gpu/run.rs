@@ -183,7 +183,11 @@ impl<'a> Run<'a> {
 
     /// What builds pipelines for this run elsewhere, to be handed to [`Run::adopt`].
     pub fn builder(&self) -> Builder {
-        Builder { device: self.context.device.clone(), layouts: [self.scene.layout.clone(), self.layout.clone()] }
+        Builder {
+            device: self.context.device.clone(),
+            sources: self.context.sources(),
+            layouts: [self.scene.layout.clone(), self.layout.clone()],
+        }
     }
 
     /// Takes pipelines over; they are ready once the compilation is done.

@@ -2,10 +2,14 @@
 //! the pass need. The only file that names the composer.
 
 use std::borrow::Cow;
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
 
 use include_dir::{Dir, include_dir};
 use wesl::{CompileOptions, Feature, ModulePath, VirtualResolver, Wesl};
 
+use crate::Error;
 use crate::ensemble::guidance::MOST_GUIDES;
 use crate::scene::Features;
 
@@ -49,10 +53,60 @@ pub const PASS_FLAGS: [&str; 21] = [
     "twin_splat",
 ];
 
-/// The WGSL text of `variant`. Fails only on a fault of the shader sources, with the composer's words.
+/// The shaders' modules: those built in, or a folder's in their place, for whoever works on them.
+#[derive(Debug, Clone, Default)]
+pub struct Sources {
+    /// Paths under `shaders` without their extension, and texts.
+    folder: Option<Arc<[(String, String)]>>,
+}
+
+impl Sources {
+    /// Reads a folder like `shaders`. An error names the file that cannot be read.
+    pub fn read(folder: &Path) -> crate::Result<Self> {
+        let mut modules = Vec::new();
+        read_modules(folder, "", &mut modules)?;
+        if modules.is_empty() {
+            let folder = folder.display();
+            return Err(Error::input(format!("{folder} holds no .wesl files: name a folder like shaders")));
+        }
+        Ok(Self { folder: Some(modules.into()) })
+    }
+
+    /// The WGSL text of `variant`. Fails only on a fault of the sources, with the composer's words.
+    pub fn compose(&self, variant: &Variant) -> Result<String, String> {
+        let mut resolver = VirtualResolver::new();
+        match &self.folder {
+            None => add_modules(&SOURCES, &mut resolver)?,
+            Some(modules) => modules
+                .iter()
+                .try_for_each(|(inside, text)| Ok(resolver.add_module(module_path(inside)?, Cow::Borrowed(text))))
+                .map_err(|error: String| error)?,
+        }
+        compose_with(resolver, variant)
+    }
+}
+
+fn read_modules(folder: &Path, inside: &str, modules: &mut Vec<(String, String)>) -> crate::Result<()> {
+    let failed = |path: &Path, why| Error::input(format!("{} cannot be read: {why}", path.display()));
+    for entry in fs::read_dir(folder).map_err(|why| failed(folder, why))? {
+        let path = entry.map_err(|why| failed(folder, why))?.path();
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let inside = if inside.is_empty() { stem.into_owned() } else { format!("{inside}::{stem}") };
+        if path.is_dir() {
+            read_modules(&path, &inside, modules)?;
+        } else if path.extension().is_some_and(|extension| extension == "wesl") {
+            modules.push((inside, fs::read_to_string(&path).map_err(|why| failed(&path, why))?));
+        }
+    }
+    Ok(())
+}
+
+/// The WGSL text of `variant` from the sources that are built in.
 pub fn compose(variant: &Variant) -> Result<String, String> {
-    let mut resolver = VirtualResolver::new();
-    add_modules(&SOURCES, &mut resolver)?;
+    Sources::default().compose(variant)
+}
+
+fn compose_with(mut resolver: VirtualResolver, variant: &Variant) -> Result<String, String> {
     let constants =
         format!("const MAX_EDGES: u32 = {}u;\nconst MOST_GUIDES: u32 = {MOST_GUIDES}u;\n", variant.max_edges);
     resolver.add_module(module_path("specialised")?, Cow::Owned(constants));

@@ -64,6 +64,7 @@ pub struct Viewer {
     /// When changed settings take effect.
     apply_at: Option<f64>,
     watch: Option<Watch>,
+    shaders: Option<Watch>,
     /// Seconds that the interface took for its last frames, and between them.
     pub(super) pace: Pace,
 }
@@ -114,6 +115,7 @@ impl Viewer {
             mix_error: None,
             apply_at: None,
             watch: None,
+            shaders: None,
             pace: Pace::default(),
         };
         viewer.send(Command::Open(scene.to_path_buf()));
@@ -318,6 +320,12 @@ impl Viewer {
         }
     }
 
+    /// Uses a folder's shaders, now and whenever one of them changes.
+    pub(super) fn use_shaders(&mut self, folder: &Path) {
+        self.shaders = Some(Watch::new(folder));
+        self.send(Command::Shaders(folder.to_path_buf()));
+    }
+
     fn take_dropped(&mut self, ctx: &egui::Context) {
         let files = ctx.input(|i| i.raw.dropped_files.clone());
         for file in files {
@@ -343,10 +351,16 @@ impl Viewer {
     }
 
     fn look_at_the_disk(&mut self, ctx: &egui::Context) {
-        let Some(watch) = &mut self.watch else { return };
-        if watch.changed(ctx.input(|i| i.time)) {
-            let path = watch.path().to_path_buf();
+        let now = ctx.input(|i| i.time);
+        let changed = |watch: &mut Option<Watch>| {
+            let watch = watch.as_mut()?;
+            watch.changed(now).then(|| watch.path().to_path_buf())
+        };
+        if let Some(path) = changed(&mut self.watch) {
             self.send(Command::Open(path));
+        }
+        if let Some(path) = changed(&mut self.shaders) {
+            self.send(Command::Shaders(path));
         }
         ctx.request_repaint_after(Duration::from_secs_f64(watch::INTERVAL_S));
     }

@@ -28,6 +28,8 @@ pub struct Launch {
     pub reference: Option<PathBuf>,
     /// A map around the scene.
     pub env: Option<PathBuf>,
+    /// A folder of shaders to use, and again whenever one of them changes.
+    pub shaders: Option<PathBuf>,
     /// The budget in it is not looked at.
     pub settings: Settings,
 }
@@ -139,11 +141,15 @@ pub fn run(launch: Launch) -> Result<()> {
                 screen::install(state);
             }
             let _ = ctx.set(creation.egui_ctx.clone());
-            let Launch { scene, look, size, reference, env, settings } = launch;
+            let Launch { scene, look, size, reference, env, shaders, settings } = launch;
             if let Some(path) = env {
                 let _ = commands.send(Command::Sky(path));
             }
-            let viewer = Viewer::new(commands, events, &scene, settings, look, size.is_some(), reference.as_deref());
+            let mut viewer =
+                Viewer::new(commands, events, &scene, settings, look, size.is_some(), reference.as_deref());
+            if let Some(folder) = shaders {
+                viewer.use_shaders(&folder);
+            }
             Ok(Box::new(viewer))
         }),
     );

@@ -59,6 +59,8 @@ pub enum Command {
     Save(PathBuf),
     /// Compare with an image from now on.
     Reference(PathBuf),
+    /// Use a folder's shaders from now on, as they are now; faulty ones leave the last good ones at work.
+    Shaders(PathBuf),
     /// Put a map around this scene and those that follow it.
     Sky(PathBuf),
     /// A sky or a reference, whichever the image's shape makes it: see `Worker::take_image`.

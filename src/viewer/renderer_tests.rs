@@ -1,5 +1,6 @@
 //! The renderer's thread without a window.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver};
 use std::sync::{Arc, Mutex};
@@ -153,4 +154,61 @@ fn a_lost_device_is_opened_again() {
     wait_for(&events, "picture from another device", picture);
     drop(commands);
     thread.join().unwrap();
+}
+
+/// Shaders are read again; faulty ones are told in a sentence, and the render goes on with the last good ones.
+#[test]
+fn shaders_are_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    copy_tree(&root.join("shaders"), folder.path());
+    let renderer = launch::start(None, Arc::new(|| {})).unwrap();
+    let send = |command| renderer.commands.send(command).unwrap();
+    send(Command::Open(root.join("tests/scenes/sphere_over_plane.glb")));
+    let opened = wait_for(&renderer.events, "scene", |event| match event {
+        Event::Opened(opened) => Some(opened),
+        event => panic!("{event:?}"),
+    });
+    let settings = Settings { width: 32, height: 24, method: Method::Pt, ..Settings::default() };
+    send(Command::Render(Box::new(Job { settings, camera: opened.cameras[0].clone(), second: None })));
+    let mean = || {
+        wait_for(&renderer.events, "picture", |event| match event {
+            Event::Picture { picture, .. } if !picture.preview && picture.statistics.samples > 64 * 32 * 24 => {
+                picture.image.map(|image| image.pixels.iter().map(|p| f64::from(p[1])).sum::<f64>())
+            }
+            _ => None,
+        })
+    };
+    let before = mean();
+    let pass = folder.path().join("passes/path_trace.wesl");
+    let text = fs::read_to_string(&pass).unwrap();
+    fs::write(&pass, text.replacen("fn main(", "fn main(,", 1)).unwrap();
+    send(Command::Shaders(folder.path().into()));
+    let sentence = wait_for(&renderer.events, "sentence", |event| match event {
+        Event::Failed(sentence) => Some(sentence),
+        _ => None,
+    });
+    assert!(sentence.contains("path_trace") && !sentence.contains('\n'), "{sentence}");
+    assert!((mean() / before - 1.0).abs() < 0.05, "the last good shaders stay");
+    let halved = text.replacen("let radiance = ", "let radiance = 0.5 * ", 1);
+    assert_ne!(halved, text);
+    fs::write(&pass, halved).unwrap();
+    send(Command::Shaders(folder.path().into()));
+    wait_for(&renderer.events, "note", |event| matches!(event, Event::Note(_)).then_some(()));
+    let after = mean();
+    assert!((after / before - 0.5).abs() < 0.05, "{before} {after}");
+    drop(renderer.commands);
+    renderer.thread.join().unwrap();
+}
+
+fn copy_tree(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap().flatten() {
+        let to = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy_tree(&entry.path(), &to);
+        } else {
+            fs::copy(entry.path(), to).unwrap();
+        }
+    }
 }

@@ -15,6 +15,7 @@ use super::preview::Preview;
 use super::statistics::own_error;
 use crate::film::{Image, exr, metrics};
 use crate::gpu::context::Context;
+use crate::gpu::shader::Sources;
 use crate::methods::{Method, Outcome, Prepared, Session, Settings, Stage};
 use crate::report::outputs::{self, Outputs};
 use crate::scene::environment;
@@ -177,6 +178,11 @@ impl<'a> Worker<'a> {
             Command::Pause(paused) => self.state.paused = paused,
             Command::Save(path) => self.save(&path)?,
             Command::Reference(path) => self.compare_with(&path, exr::read(&path)?)?,
+            Command::Shaders(path) => {
+                self.context.set_sources(Sources::read(&path)?)?;
+                self.restart();
+                self.state.out.send(Event::Note(format!("shaders of {} at work", path.display())));
+            }
             Command::Sky(path) => self.set_sky(&path)?,
             Command::Image(path) => self.take_image(&path)?,
         }
