@@ -1,5 +1,6 @@
 //! The start: b and the seeds, from bidirectional candidates (METHOD.md 1.2, 1.3).
 
+use super::groups::Groups;
 use super::pool::TypeKey;
 use super::strategies::{INDIRECT_EDGES, Strategies};
 use super::two_stage::PixelWeights;
@@ -107,9 +108,8 @@ pub struct Start {
     /// Candidates that count, the pilots' not among them.
     pub candidates: u32,
     pub seed: u32,
-    /// Paths in the ensemble, both halves.
-    pub paths: u32,
-    /// Columns of the chains, at least as many.
+    pub groups: Groups,
+    /// Columns of the chains, at least as many as paths.
     pub stride: u32,
     pub film: [u32; 2],
 }
@@ -275,30 +275,34 @@ impl Start {
     }
 
     /// Seeds of both halves: candidates drawn with probability proportional to weight by systematic resampling along a
-    /// Hilbert curve over the film. The halves draw from disjoint candidates (METHOD.md 1.3 c).
+    /// Hilbert curve over the film. Every half of every group draws from candidates of its own (METHOD.md 1.3 c), every so
+    /// many of the list, which is sorted by strategy: each has its share of all strategies.
     fn choose(&self, candidates: &[Candidate], weights: &[f64]) -> Vec<u32> {
         let side = self.film[0].max(self.film[1]).next_power_of_two();
-        let half = self.paths / 2;
-        let mut chosen = Vec::with_capacity(self.paths as usize);
-        for parity in 0..2u32 {
-            let mut pool: Vec<(u64, u32)> = (0..candidates.len() as u32)
-                .filter(|&i| i % 2 == parity && weights[i as usize] > 0.0)
+        let seeds = self.groups.group_paths();
+        let subsets = 2 * self.groups.count();
+        let mut chosen = Vec::with_capacity(self.groups.paths() as usize);
+        // In the order of paths: the groups of the first half, then those of the second.
+        for subset in 0..subsets {
+            let mut pool: Vec<(u64, u32)> = (subset..candidates.len() as u32)
+                .step_by(subsets as usize)
+                .filter(|&i| weights[i as usize] > 0.0)
                 .map(|i| {
                     let [x, y] = candidates[i as usize].pixel.map(|p| p.max(0.0) as u32);
                     (hilbert_index(side, x.min(side - 1), y.min(side - 1)), i)
                 })
                 .collect();
             if pool.is_empty() {
-                // Fewer than two candidates carry light: share what there is.
+                // Hardly any candidates carry light: share what there is.
                 pool = (0..candidates.len() as u32).filter(|&i| weights[i as usize] > 0.0).map(|i| (0, i)).collect();
             }
             pool.sort_unstable();
             let total: f64 = pool.iter().map(|(_, i)| weights[*i as usize]).sum();
-            let offset = rng::uniform(rng::random_words(self.seed, parity, CANDIDATE_PASS, u32::MAX - 1)[0]);
+            let offset = rng::uniform(rng::random_words(self.seed, subset, CANDIDATE_PASS, u32::MAX - 1)[0]);
             let mut member = 0;
             let mut below = 0.0;
-            for n in 0..half {
-                let target = (f64::from(n) + offset) / f64::from(half) * total;
+            for n in 0..seeds {
+                let target = (f64::from(n) + offset) / f64::from(seeds) * total;
                 while member + 1 < pool.len() && below + weights[pool[member].1 as usize] <= target {
                     below += weights[pool[member].1 as usize];
                     member += 1;

@@ -95,31 +95,33 @@ pub struct CutList {
 }
 
 impl CutList {
-    /// Draws a cut for every path of `moving` with `random(path, dimension)`. The guide of a path is any member of the
-    /// frozen half, whatever the types, the same for the way back (METHOD.md 3.6a); its column counts from
-    /// `guides_first`.
-    pub fn draw(
-        moving: &Pool,
-        guides: &Pool,
-        guides_first: u32,
+    /// Draws a cut for every path of every group with `random(path, dimension)`. A group is its moving half, the frozen
+    /// one, and the column of the latter's first guide. The guide of a path is any member of the frozen half of its group,
+    /// whatever the types, the same for the way back (METHOD.md 3.6a).
+    pub fn draw<'a>(
+        groups: impl IntoIterator<Item = (&'a Pool, &'a Pool, u32)>,
         random: impl Fn(u32, u32) -> [u32; 4],
         lengths: RangeInclusive<u32>,
     ) -> Self {
+        let mut entries: Vec<(TypeKey, CutEntry)> = Vec::new();
         let mut list = Self::default();
         let mut resting: Vec<u32> = Vec::new();
-        for node in &moving.types {
-            for &path in moving.members(node.range) {
-                match Cut::draw(node.key, random(path, DIMENSION_CUT), lengths.clone()) {
-                    Some(cut) => {
-                        let place = random(path, DIMENSION_GUIDE)[0] % guides.order.len() as u32;
-                        let guide = [guides_first + place, guides.key_at(place).edges()];
-                        list.entries.push(CutEntry { path, cut, guide });
+        for (moving, guides, guides_first) in groups {
+            for node in &moving.types {
+                for &path in moving.members(node.range) {
+                    match Cut::draw(node.key, random(path, DIMENSION_CUT), lengths.clone()) {
+                        Some(cut) => {
+                            let place = random(path, DIMENSION_GUIDE)[0] % guides.order.len() as u32;
+                            let guide = [guides_first + place, guides.key_at(place).edges()];
+                            entries.push((node.key, CutEntry { path, cut, guide }));
+                        }
+                        None => resting.extend([path, 0]),
                     }
-                    None => resting.extend([path, 0]),
                 }
             }
         }
-        list.entries.sort_by_key(|entry| entry.cut);
+        entries.sort_by_key(|(key, entry)| (entry.cut, *key));
+        list.entries = entries.into_iter().map(|(_, entry)| entry).collect();
         list.words.extend(list.entries.iter().flat_map(|entry| entry.words()));
         list.resting_offset = list.words.len() as u32;
         list.resting = resting.len() as u32 / 2;

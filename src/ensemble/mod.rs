@@ -4,6 +4,7 @@ pub mod bootstrap;
 mod build;
 pub mod crossings;
 pub mod cuts;
+pub mod groups;
 pub mod guidance;
 pub mod mix;
 pub mod pool;

@@ -2,8 +2,10 @@
 
 pub mod exr;
 pub mod file;
+pub mod flip;
 pub mod metrics;
 pub mod png;
+pub mod uncertainty;
 
 /// Linear Rec.709 pixels, row 0 at the top.
 #[derive(Debug, Clone, PartialEq)]

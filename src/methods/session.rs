@@ -9,7 +9,7 @@ use super::pt::PathTracer;
 use super::{Direct, Method, Outcome, Settings};
 use crate::gpu::context::Context;
 use crate::gpu::scene::{GpuScene, SceneData};
-use crate::report::statistics::Statistics;
+use crate::report::statistics::{ErrorStatistics, Statistics};
 use crate::scene::{Camera, Features, Scene};
 
 /// What a render is busy with, in this order; but chains compile twice, for their start and for their kernels.
@@ -160,8 +160,10 @@ impl<'a> Session<'a> {
 
     /// The image so far, with the layers that were asked for and the figures; best where [`Self::is_whole`].
     pub fn snapshot(&mut self) -> crate::Result<Outcome> {
-        let Outcome { image, channels, statistics } = self.part.snapshot()?;
-        Ok(Outcome { image, channels, statistics: self.with_base(statistics) })
+        let outcome = self.part.snapshot()?;
+        let mut statistics = self.with_base(outcome.statistics);
+        statistics.error = outcome.uncertainty.as_ref().map(|u| ErrorStatistics::new(&outcome.image, u));
+        Ok(Outcome { statistics, ..outcome })
     }
 
     /// Ends the render: goes on until the image is whole, and hands it over.

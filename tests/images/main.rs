@@ -15,7 +15,6 @@ mod options;
 mod renders;
 mod repetition;
 mod sphere;
-mod student;
 mod threshold;
 mod tiles;
 mod types;
