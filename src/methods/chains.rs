@@ -13,7 +13,7 @@ use crate::ensemble::mix::Mix;
 use crate::ensemble::strategies::INDIRECT_EDGES;
 use crate::ensemble::sweep::{Build, Ensemble, list_words};
 use crate::ensemble::type_shares;
-use crate::film::uncertainty::Layers;
+use crate::film::layers::Layers;
 use crate::film::{Channel, Image};
 use crate::gpu::context::Context;
 use crate::gpu::layout::{COUNTER_WORDS, FILM_SCALE, chain_rows};
@@ -137,11 +137,6 @@ impl<'a> Chains<'a> {
 
     fn pixels(&self) -> u64 {
         pixels(&self.settings)
-    }
-
-    /// Whether no light was found that chains could carry.
-    pub(super) fn is_dark(&self) -> bool {
-        matches!(self.phase, Phase::Dark)
     }
 
     /// Has pipelines built: those of the kernels on a thread of their own.
@@ -301,8 +296,23 @@ impl Part for Chains<'_> {
     }
 
     fn snapshot(&mut self) -> crate::Result<Outcome> {
+        self.snapshot_over(None)
+    }
+}
+
+impl Chains<'_> {
+    /// The image on top of an independent one.
+    pub(super) fn snapshot_over(&mut self, beneath: Option<&Outcome>) -> crate::Result<Outcome> {
         let mut statistics = self.statistics();
-        let Phase::Rendering(ensemble) = &self.phase else { return Ok(black(&self.settings, statistics)) };
+        let beneath = beneath.map(|outcome| (&outcome.image, outcome.uncertainty.as_ref()));
+        let Phase::Rendering(ensemble) = &self.phase else {
+            let mut outcome = black(&self.settings, statistics);
+            if let Some((image, uncertainty)) = beneath {
+                outcome.image = image.clone();
+                outcome.uncertainty = uncertainty.cloned();
+            }
+            return Ok(outcome);
+        };
         let device_time = self.run.device_time;
         let groups = self.build.groups.count();
         // Of one group; all make as many.
@@ -321,7 +331,7 @@ impl Part for Chains<'_> {
         }
         statistics.integrity = Some(integrity);
         let scale = ensemble.target() * self.pixels() as f64 / mutations;
-        let (image, uncertainty) = layers.finish(scale, ensemble.target_error() / ensemble.target());
+        let (image, uncertainty) = layers.finish(scale, ensemble.target_error() / ensemble.target(), beneath);
         let all = u64::from(groups) * layer;
         let bytes = self.run.read(Buffer::Output, all..film_bytes(&self.settings, groups))?;
         self.run.device_time = device_time;

@@ -110,20 +110,11 @@ impl Part for Both<'_> {
     }
 
     fn snapshot(&mut self) -> crate::Result<Outcome> {
-        let mut outcome = match &mut self.rest {
-            Some(rest) => rest.snapshot()?,
-            None => chains::black(&self.settings, Statistics::default()),
-        };
         let direct = self.direct.snapshot()?;
-        for (pixel, add) in outcome.image.pixels.iter_mut().zip(&direct.image.pixels) {
-            pixel.iter_mut().zip(add).for_each(|(sum, add)| *sum += add);
-        }
-        // Where chains carry nothing, all the light there is is direct.
-        let dark = self.rest.as_ref().is_none_or(Chains::is_dark);
-        outcome.uncertainty = match (outcome.uncertainty, direct.uncertainty) {
-            (Some(rest), Some(direct)) => Some(rest.plus(&direct)),
-            (None, direct) if dark => direct,
-            _ => None,
+        let outcome = match &mut self.rest {
+            Some(rest) => rest.snapshot_over(Some(&direct))?,
+            // Layers are those that chains would have.
+            None => Outcome { channels: chains::black(&self.settings, Statistics::default()).channels, ..direct },
         };
         let rest = self.rest.is_some().then_some(outcome.statistics);
         Ok(Outcome { statistics: self.total(rest), ..outcome })

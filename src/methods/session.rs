@@ -162,7 +162,7 @@ impl<'a> Session<'a> {
     pub fn snapshot(&mut self) -> crate::Result<Outcome> {
         let outcome = self.part.snapshot()?;
         let mut statistics = self.with_base(outcome.statistics);
-        statistics.error = outcome.uncertainty.as_ref().map(|u| ErrorStatistics::new(&outcome.image, u));
+        statistics.error = outcome.uncertainty.as_ref().map(ErrorStatistics::new);
         Ok(Outcome { statistics, ..outcome })
     }
 

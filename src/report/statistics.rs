@@ -1,7 +1,6 @@
 //! The figures a render ends with.
 
 use crate::ensemble::type_shares::TypeStatistics;
-use crate::film::Image;
 use crate::film::uncertainty::{Uncertainty, Y};
 
 /// One transition kernel's counts over a render.
@@ -33,11 +32,11 @@ pub struct ErrorStatistics {
 }
 
 impl ErrorStatistics {
-    pub fn new(image: &Image, uncertainty: &Uncertainty) -> Self {
+    pub fn new(uncertainty: &Uncertainty) -> Self {
         let film = &uncertainty.film[Y];
         Self {
-            pixels: uncertainty.relative_error(image),
-            tiles: uncertainty.relative_error_of_tiles(),
+            pixels: uncertainty.relative,
+            tiles: uncertainty.relative_of_tiles,
             film: film.mean,
             film_half_width: film.half_width(0.05),
             film_error: film.standard_error(),
