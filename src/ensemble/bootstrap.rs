@@ -140,8 +140,9 @@ pub struct Starting {
 impl Starting {
     /// Share of the candidates that are made, in [0, 1].
     pub fn share(&self) -> f64 {
-        let before = PILOT * self.pilots() as u32;
-        (f64::from(before) + self.draw.candidates.len() as f64) / f64::from(2 * PILOT + self.candidates)
+        let pilot = PILOT.min(self.candidates);
+        let before = pilot * self.pilots() as u32;
+        (f64::from(before) + self.draw.candidates.len() as f64) / f64::from(2 * pilot + self.candidates)
     }
 
     /// Pilots that are done with.
@@ -177,11 +178,16 @@ impl Start {
         self.finish(run, starting)
     }
 
+    /// Candidates of each pilot: no more than those that count.
+    fn pilot(&self) -> u32 {
+        PILOT.min(self.candidates)
+    }
+
     /// Begins what [`Self::run`] does at once; nothing is made yet.
     pub fn begin(&self, run: &Run) -> Starting {
         let only_sky = self.features.sky && !self.features.mixed;
         let strategies = Strategies::uniform(self.min_edges..=self.max_edges, only_sky);
-        let draw = self.draw(run, &strategies, PILOT, PILOT_PASSES[0]);
+        let draw = self.draw(run, &strategies, self.pilot(), PILOT_PASSES[0]);
         Starting { strategies, pixel_weights: None, rays: 0, candidates: self.candidates, draw }
     }
 
@@ -204,7 +210,7 @@ impl Start {
                 PixelWeights::from_pilot(self.film, gamma, &splats)
             });
             starting.draw = match PILOT_PASSES.get(pilots + 1) {
-                Some(pass) => self.draw(run, &starting.strategies, PILOT, *pass),
+                Some(pass) => self.draw(run, &starting.strategies, self.pilot(), *pass),
                 None => self.draw(run, &starting.strategies, self.candidates, CANDIDATE_PASS),
             };
         }

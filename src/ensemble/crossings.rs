@@ -219,4 +219,17 @@ mod tests {
             assert!(count == 1 || (!list.pairs.is_empty() && list.resting > 0));
         }
     }
+
+    #[test]
+    fn partners_are_of_one_group() {
+        let pools: Vec<Pool> = (0..4).map(|i| Pool::build(&[TypeKey::from_tags(&[D, D, D]); 30], 30 * i)).collect();
+        let group = |i: usize| Partners {
+            halves: [&pools[i], &pools[2 + i]],
+            first: [30 * i as u32, 60 + 30 * i as u32],
+            shift: 7 + i as u32,
+        };
+        let list = PairList::draw([group(0), group(1)], |path, d| rng::random_words(5, path, 1, d), 1..=8);
+        assert_eq!(list.pairs.len(), 60);
+        assert!(list.pairs.iter().all(|pair| pair.paths[0] / 30 + 2 == pair.paths[1] / 30));
+    }
 }

@@ -205,4 +205,19 @@ mod tests {
             assert!(z.abs() < 4.5, "{deleted}: {counts:?}");
         }
     }
+
+    #[test]
+    fn guides_are_of_the_paths_own_group() {
+        let keys = |n: usize| -> Vec<TypeKey> { (0..n).map(|i| TypeKey::from_tags(&[D, D, D][..1 + i % 3])).collect() };
+        // Two groups of 30: halves 0 to 59 and 60 to 119.
+        let pools: Vec<Pool> = (0..4).map(|i| Pool::build(&keys(30), 30 * i)).collect();
+        let groups = [(&pools[0], &pools[2], 60), (&pools[1], &pools[3], 90)];
+        let list = CutList::draw(groups, |path, dimension| rng::random_words(5, path, 1, dimension), 1..=8);
+        assert!(list.entries.len() > 30 && list.entries.is_sorted_by_key(|entry| entry.cut));
+        for entry in &list.entries {
+            let group = entry.path / 30;
+            assert!((60 + 30 * group..90 + 30 * group).contains(&entry.guide[0]), "{entry:?}");
+        }
+        assert_eq!(list.entries.len() as u32 + list.resting, 60);
+    }
 }

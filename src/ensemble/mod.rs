@@ -1,7 +1,7 @@
 //! The ensemble: its start, its pool of guides, its sweeps.
 
 pub mod bootstrap;
-mod build;
+pub mod build;
 pub mod crossings;
 pub mod cuts;
 pub mod groups;

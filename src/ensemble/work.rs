@@ -88,6 +88,7 @@ impl Work {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ensemble::groups::Groups;
     use crate::ensemble::pool::{Pool, Tag, TypeKey};
     use crate::kernels::{independence, lens, multi_chain};
     use Tag::{Diffuse as D, Transmission as T};
@@ -117,5 +118,43 @@ mod tests {
             assert_eq!(work.nodes_offset, 2 * 5);
             assert_eq!(work.words.len(), 2 * 5 + 3 * pool.pool.types.len());
         }
+    }
+    /// Whatever the types of a group's guides, every path is led to a node within its own group, with its median.
+    #[test]
+    fn guides_are_of_the_paths_own_group() {
+        let features = Features { mirror: true, ..Default::default() };
+        let mix = Mix::new(&[(&independence::KERNEL, 0.1), (&lens::KERNEL, 1.0)], features);
+        let types = [&[D][..], &[D, D], &[T, D], &[D, T, D]].map(TypeKey::from_tags);
+        let keys = |salt: usize| -> Vec<TypeKey> { (0..4 * 5).map(|i| types[(i * i + salt * i) % 7 % 4]).collect() };
+        let groups = Groups::new(40, 4);
+        let half = |half: usize| -> Vec<Group> {
+            let keys = keys(half + 1);
+            let of = |group: u32| {
+                let keys = &keys[5 * group as usize..][..5];
+                let pool = Pool::build(keys, groups.first(half, group));
+                Group { similarity_median: group as f32, pool }
+            };
+            (0..4).map(of).collect()
+        };
+        let (moving, guides) = (half(0), half(1));
+        let work = Work::new(&moving, &guides, &mix, features);
+        let mut guided = 0;
+        for (_, list) in work.passes.iter().flatten() {
+            for entry in 0..list.count {
+                let word = (list.offset + 2 * entry) as usize;
+                let group = groups.of_path(work.words[word]);
+                let node = (work.nodes_offset + NODE_WORDS * work.words[word + 1]) as usize;
+                let [offset, count, median] = [0, 1, 2].map(|i| work.words[node + i]);
+                assert!(count == 0 || (offset >= 5 * group && offset + count <= 5 * (group + 1)), "{offset} {count}");
+                assert_eq!(f32::from_bits(median), group as f32);
+                guided += u32::from(count > 0);
+            }
+        }
+        assert!(guided > 50);
+        // Within the list the types stay together.
+        let (_, list) = work.passes[0][0];
+        let path = |entry: u32| work.words[(list.offset + 2 * entry) as usize] as usize;
+        let of: Vec<TypeKey> = (0..list.count).map(|entry| keys(1)[path(entry)]).collect();
+        assert!(of.is_sorted());
     }
 }

@@ -19,14 +19,14 @@ use emlt::scene::Features;
 use super::comparison::{self, LEVEL, Power, Truth};
 use super::renders::{changed, render, scene, settings};
 
-const SCENE: &str = "tests/scenes/furnace.glb";
+pub(super) const SCENE: &str = "tests/scenes/furnace.glb";
 const EMISSION: [f64; 3] = [0.5, 1.0, 0.25];
 const ALBEDO: [f64; 3] = [0.6, 0.5, 0.3];
 const LONGEST: u32 = 12;
 const FILM: [u32; 2] = [16, 12];
 
 /// Radiance everywhere with at most `edges` edges.
-fn radiance(edges: u32) -> [f64; 3] {
+pub(super) fn radiance(edges: u32) -> [f64; 3] {
     [0, 1, 2].map(|c| EMISSION[c] * (1.0 - ALBEDO[c].powi(edges as i32)) / (1.0 - ALBEDO[c]))
 }
 

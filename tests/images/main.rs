@@ -6,9 +6,11 @@
 
 mod calibration;
 mod comparison;
+mod coverage;
 mod crossover;
 mod furnace;
 mod glass_furnace;
+mod groups;
 mod invariance;
 mod mitsuba;
 mod options;
