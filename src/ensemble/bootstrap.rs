@@ -92,6 +92,8 @@ pub struct Bootstrap {
     pub rays: u64,
     /// Largest share of one candidate in what the seeds are drawn by: above 1/100 the seeds are many copies of one path.
     pub largest_share: f64,
+    /// Whether groups share candidates, of which hardly any carry light.
+    pub shared: bool,
     /// How the target is shared among types of paths, as the candidates have it.
     pub types: TypeShares,
 }
@@ -233,9 +235,9 @@ impl Start {
         weights.iter().for_each(|w| target.add(*w));
         let largest_share = weights.iter().copied().fold(0.0, f64::max) / target.sum;
         let types = TypeShares::of_start(candidates.iter().map(|c| c.key).zip(weights.iter().copied()));
-        let chosen = self.choose(&candidates, &weights);
+        let (chosen, shared) = self.choose(&candidates, &weights);
         self.fill(run, &list, &chosen)?;
-        Ok(Some(Bootstrap { strategies, b, target, pixel_weights, rays, largest_share, types }))
+        Ok(Some(Bootstrap { strategies, b, target, pixel_weights, rays, largest_share, shared, types }))
     }
 
     /// Makes `count` candidates, with their strategies; systematic over strategies, so neighbours share one.
@@ -283,23 +285,22 @@ impl Start {
     /// Seeds of both halves: candidates drawn with probability proportional to weight by systematic resampling along a
     /// Hilbert curve over the film. Every half of every group draws from candidates of its own (METHOD.md 1.3 c), every so
     /// many of the list, which is sorted by strategy: each has its share of all strategies.
-    fn choose(&self, candidates: &[Candidate], weights: &[f64]) -> Vec<u32> {
+    /// With the seeds comes whether that could not be done: where hardly any candidates carry light, groups share them.
+    fn choose(&self, candidates: &[Candidate], weights: &[f64]) -> (Vec<u32>, bool) {
         let side = self.film[0].max(self.film[1]).next_power_of_two();
         let seeds = self.groups.group_paths();
-        let subsets = 2 * self.groups.count();
-        let mut chosen = Vec::with_capacity(self.groups.paths() as usize);
         // In the order of paths: the groups of the first half, then those of the second.
-        for subset in 0..subsets {
-            let mut pool: Vec<(u64, u32)> = (subset..candidates.len() as u32)
-                .step_by(subsets as usize)
-                .filter(|&i| weights[i as usize] > 0.0)
-                .map(|i| {
-                    let [x, y] = candidates[i as usize].pixel.map(|p| p.max(0.0) as u32);
-                    (hilbert_index(side, x.min(side - 1), y.min(side - 1)), i)
-                })
-                .collect();
+        let mut pools: Vec<Vec<(u64, u32)>> = vec![Vec::new(); 2 * self.groups.count() as usize];
+        let count = pools.len();
+        for (i, candidate) in candidates.iter().enumerate().filter(|(i, _)| weights[*i] > 0.0) {
+            let [x, y] = candidate.pixel.map(|p| p.max(0.0) as u32);
+            pools[i % count].push((hilbert_index(side, x.min(side - 1), y.min(side - 1)), i as u32));
+        }
+        let mut chosen = Vec::with_capacity(self.groups.paths() as usize);
+        let mut shared = false;
+        for (subset, mut pool) in (0..).zip(pools) {
             if pool.is_empty() {
-                // Hardly any candidates carry light: share what there is.
+                shared = true;
                 pool = (0..candidates.len() as u32).filter(|&i| weights[i as usize] > 0.0).map(|i| (0, i)).collect();
             }
             pool.sort_unstable();
@@ -316,7 +317,7 @@ impl Start {
                 chosen.push(pool[member].1);
             }
         }
-        chosen
+        (chosen, shared)
     }
 
     /// Makes the chosen candidates again, into the chains from the first on.

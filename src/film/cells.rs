@@ -43,15 +43,15 @@ impl Tiling {
 
 /// Mean over the square of 5 x 5 pixels about every pixel, as far as the film goes; without the pixel itself where
 /// `others` is set, unless there is no other.
-pub fn around(width: u32, height: u32, values: &[[f32; 3]], others: bool) -> Vec<[f64; 3]> {
+pub fn around(width: u32, height: u32, values: &[[f32; 3]], others: bool) -> Vec<[f32; 3]> {
     let (width, height) = (width as usize, height as usize);
     let span = |at: usize, size: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(size);
-    let plus = |a: [f64; 3], b: [f64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+    let plus = |a: [f32; 3], b: [f32; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
     // Along rows, then along columns.
     let mut rows = Vec::with_capacity(values.len());
     for line in values.chunks_exact(width) {
         for x in 0..width {
-            rows.push(line[span(x, width)].iter().map(|v| v.map(f64::from)).fold([0.0; 3], plus));
+            rows.push(line[span(x, width)].iter().copied().fold([0.0; 3], plus));
         }
     }
     let mut means = Vec::with_capacity(values.len());
@@ -60,10 +60,10 @@ pub fn around(width: u32, height: u32, values: &[[f32; 3]], others: bool) -> Vec
             let mut sum = span(y, height).map(|y| rows[y * width + x]).fold([0.0; 3], plus);
             let mut count = span(x, width).len() * span(y, height).len();
             if others && count > 1 {
-                sum = plus(sum, values[y * width + x].map(|v| -f64::from(v)));
+                sum = plus(sum, values[y * width + x].map(|v| -v));
                 count -= 1;
             }
-            means.push(sum.map(|v| v / count as f64));
+            means.push(sum.map(|v| v / count as f32));
         }
     }
     means

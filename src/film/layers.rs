@@ -12,7 +12,10 @@ pub struct Layers {
     width: u32,
     height: u32,
     tiling: Tiling,
-    /// Each layer's pixels, and the luminance apart the means of its tiles.
+    count: u32,
+    /// Whether the uncertainty is asked for; without it, layers are only added up.
+    with_error: bool,
+    /// Each layer's pixels, and the means of its tiles.
     pixels: Vec<Vec<[f32; 3]>>,
     tiles: Vec<Vec<[f64; CHANNELS]>>,
     pixel_sums: Vec<Sums<3>>,
@@ -20,17 +23,31 @@ pub struct Layers {
 }
 
 impl Layers {
-    pub fn new(width: u32, height: u32) -> Self {
+    pub fn new(width: u32, height: u32, with_error: bool) -> Self {
         let pixel_sums = vec![Sums::default(); width as usize * height as usize];
         let tiling = Tiling::of(width, height);
-        Self { width, height, tiling, pixels: vec![], tiles: vec![], pixel_sums, film_sums: Sums::default() }
+        Self {
+            width,
+            height,
+            tiling,
+            count: 0,
+            with_error,
+            pixels: vec![],
+            tiles: vec![],
+            pixel_sums,
+            film_sums: Sums::default(),
+        }
     }
 
     /// Adds a group's layer: R, G and B of every pixel, in any unit.
     pub fn add(&mut self, values: &[[f64; 3]]) {
+        self.pixel_sums.iter_mut().zip(values).for_each(|(sums, value)| add(sums, *value));
+        self.count += 1;
+        if !self.with_error {
+            return;
+        }
         let mut tiles = vec![[0.0; CHANNELS]; self.tiling.count()];
-        for (i, (sums, value)) in self.pixel_sums.iter_mut().zip(values).enumerate() {
-            add(sums, *value);
+        for (i, value) in values.iter().enumerate() {
             let tile = &mut tiles[self.tiling.tile(i)];
             tile.iter_mut().zip(with_luminance(*value)).for_each(|(sum, v)| *sum += v);
         }
@@ -44,22 +61,22 @@ impl Layers {
         self.pixels.push(values.iter().map(|pixel| pixel.map(|v| v as f32)).collect());
     }
 
-    /// The mean of the layers times `scale`, whose own relative error is `scale_error`, and its uncertainty, which one
-    /// layer alone does not tell. Both are of the sum with an independent image `beneath`, where there is one.
+    /// The mean of the layers times `scale`, whose own relative error is `scale_error`, and its uncertainty where it was
+    /// asked for, which one layer alone does not tell. Both are of the sum with an independent image `beneath`, where there is one.
     pub fn finish(
         self,
         scale: f64,
         scale_error: f64,
         beneath: Option<(&Image, Option<&Uncertainty>)>,
     ) -> (Image, Option<Uncertainty>) {
-        let n = self.pixels.len() as f64;
+        let n = f64::from(self.count);
         let mean = |sum: f64| sum / n.max(1.0) * scale;
         let below = |i: usize| beneath.map_or([0.0; 3], |(image, _)| image.pixels[i]);
         let pixel = |(i, [sum, _]): (usize, &Sums<3>)| [0, 1, 2].map(|c| mean(sum[c]) as f32 + below(i)[c]);
         let pixels = self.pixel_sums.iter().enumerate().map(pixel).collect();
         let image = Image { width: self.width, height: self.height, pixels };
         let samples = beneath.and_then(|(_, uncertainty)| uncertainty);
-        if self.pixels.len() < 2 || (beneath.is_some() && samples.is_none()) {
+        if !self.with_error || self.count < 2 || (beneath.is_some() && samples.is_none()) {
             return (image, None);
         }
         // Variance of the mean of the layers.
@@ -102,7 +119,7 @@ impl Layers {
         let floor = floor(&film);
         let relative = self.relative(&image, &variances, scale, floor);
         let relative_of_tiles = self.relative_of_tiles(&tiles, scale, floor);
-        let (groups, tile_columns) = (self.pixels.len() as u32, self.tiling.columns());
+        let (groups, tile_columns) = (self.count, self.tiling.columns());
         let uncertainty = Uncertainty { groups, pixels, tiles, tile_columns, film, relative, relative_of_tiles };
         (image, Some(uncertainty))
     }
@@ -115,7 +132,7 @@ impl Layers {
         let mut shares: Vec<f64> = variances
             .iter()
             .zip(&near)
-            .flat_map(|(variance, near)| [0, 1, 2].map(|c| share(variance[c][1], near[c], floor)))
+            .flat_map(|(variance, near)| [0, 1, 2].map(|c| share(variance[c][1], f64::from(near[c]), floor)))
             .collect();
         let means: Vec<[f32; 3]> =
             self.pixel_sums.iter().map(|[sum, _]| sum.map(|sum| (sum / n * scale) as f32)).collect();
@@ -125,7 +142,8 @@ impl Layers {
             for (i, [sum, _]) in self.pixel_sums.iter().enumerate() {
                 for c in 0..3 {
                     let deviation = (f64::from(layer[i][c]) - sum[c] / n) * scale;
-                    let without = near[i][c] + (near_means[i][c] - near_layer[i][c] * scale) / (n - 1.0);
+                    let without = f64::from(near_means[i][c]) - f64::from(near_layer[i][c]) * scale;
+                    let without = f64::from(near[i][c]) + without / (n - 1.0);
                     shares[3 * i + c] += share(deviation * deviation / (n - 1.0) / n, without, floor);
                 }
             }
@@ -172,7 +190,7 @@ mod tests {
     #[test]
     fn two_layers_by_hand() {
         // 9 x 1 pixels: a tile of 8, a tile of 1.
-        let mut layers = Layers::new(9, 1);
+        let mut layers = Layers::new(9, 1, true);
         let layer = |first: f64, last: f64| {
             let mut pixels = vec![[1.0; 3]; 9];
             (pixels[0], pixels[8]) = ([first; 3], [last; 3]);
@@ -201,7 +219,7 @@ mod tests {
 
     #[test]
     fn a_group_is_divided_by_the_others() {
-        let mut layers = Layers::new(1, 1);
+        let mut layers = Layers::new(1, 1, true);
         layers.add(&[[1.0; 3]]);
         layers.add(&[[3.0; 3]]);
         let (_, uncertainty) = layers.finish(1.0, 0.0, None);
@@ -213,8 +231,12 @@ mod tests {
     }
 
     #[test]
-    fn one_layer_tells_no_error() {
-        let mut layers = Layers::new(1, 1);
+    fn one_layer_tells_no_error_and_nobody_who_is_not_asked() {
+        let mut layers = Layers::new(1, 1, false);
+        layers.add(&[[1.0; 3]]);
+        layers.add(&[[2.0; 3]]);
+        assert_eq!(layers.finish(2.0, 0.1, None), (Image { width: 1, height: 1, pixels: vec![[3.0; 3]] }, None));
+        let mut layers = Layers::new(1, 1, true);
         layers.add(&[[2.0; 3]]);
         let (image, uncertainty) = layers.finish(0.5, 0.1, None);
         assert_eq!((image.pixels, uncertainty), (vec![[1.0; 3]], None));
@@ -225,7 +247,7 @@ mod tests {
         let image = Image { width: 2, height: 1, pixels: vec![[1.0; 3], [3.0; 3]] };
         let samples = Uncertainty::of_samples(&image, &[[0.04; 4], [0.12; 4]]);
         let layers = || {
-            let mut layers = Layers::new(2, 1);
+            let mut layers = Layers::new(2, 1, true);
             layers.add(&[[1.0; 3], [0.0; 3]]);
             layers.add(&[[3.0; 3], [0.0; 3]]);
             layers

@@ -119,7 +119,10 @@ impl Uncertainty {
         mean_of(&mut film, image.pixels.len() as f64);
         let floor = floor(&film);
         let near = around(image.width, image.height, &image.pixels, true);
-        let parts = variances.iter().zip(near).flat_map(|(variance, near)| (0..Y).map(move |c| (variance[c], near[c])));
+        let parts = variances
+            .iter()
+            .zip(near)
+            .flat_map(|(variance, near)| (0..Y).map(move |c| (variance[c], f64::from(near[c]))));
         let relative = relative_error(parts.map(|(variance, near)| share(variance, near, floor)));
         let parts = tiles.iter().flat_map(|tile| &tile[..Y]);
         let relative_of_tiles = relative_error(parts.map(|e| share(e.of_samples, e.mean, floor)));

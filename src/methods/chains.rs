@@ -169,6 +169,12 @@ impl<'a> Chains<'a> {
                 100.0 * bootstrap.largest_share
             ));
         }
+        if bootstrap.shared {
+            self.statistics.notes.push(
+                "hardly any start candidates carry light, so that groups had to share them: the stated error is too small"
+                    .into(),
+            );
+        }
         let built = match self.kernels.take() {
             Some(thread) => thread.join().expect("building pipelines does not panic")?,
             None => Built::new(),
@@ -295,14 +301,14 @@ impl Part for Chains<'_> {
         statistics
     }
 
-    fn snapshot(&mut self) -> crate::Result<Outcome> {
-        self.snapshot_over(None)
+    fn snapshot(&mut self, with_error: bool) -> crate::Result<Outcome> {
+        self.snapshot_over(None, with_error)
     }
 }
 
 impl Chains<'_> {
     /// The image on top of an independent one.
-    pub(super) fn snapshot_over(&mut self, beneath: Option<&Outcome>) -> crate::Result<Outcome> {
+    pub(super) fn snapshot_over(&mut self, beneath: Option<&Outcome>, with_error: bool) -> crate::Result<Outcome> {
         let mut statistics = self.statistics();
         let beneath = beneath.map(|outcome| (&outcome.image, outcome.uncertainty.as_ref()));
         let Phase::Rendering(ensemble) = &self.phase else {
@@ -318,7 +324,7 @@ impl Chains<'_> {
         // Of one group; all make as many.
         let mutations = ensemble.mutations().max(1) as f64 / f64::from(groups);
         let weights: Vec<f64> = (0..self.pixels() as usize).map(|pixel| ensemble.pixel_weight(pixel)).collect();
-        let mut layers = Layers::new(self.settings.width, self.settings.height);
+        let mut layers = Layers::new(self.settings.width, self.settings.height, with_error);
         let mut integrity = 0.0f64;
         // A layer at a time: all together would take several times the image's memory.
         let layer = layer_bytes(&self.settings);

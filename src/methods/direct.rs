@@ -109,10 +109,10 @@ impl Part for Both<'_> {
         self.total(self.rest.as_ref().map(Part::statistics))
     }
 
-    fn snapshot(&mut self) -> crate::Result<Outcome> {
-        let direct = self.direct.snapshot()?;
+    fn snapshot(&mut self, with_error: bool) -> crate::Result<Outcome> {
+        let direct = self.direct.snapshot(with_error)?;
         let outcome = match &mut self.rest {
-            Some(rest) => rest.snapshot_over(Some(&direct))?,
+            Some(rest) => rest.snapshot_over(Some(&direct), with_error)?,
             // Layers are those that chains would have.
             None => Outcome { channels: chains::black(&self.settings, Statistics::default()).channels, ..direct },
         };

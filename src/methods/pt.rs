@@ -167,7 +167,7 @@ impl Part for PathTracer<'_> {
         }
     }
 
-    fn snapshot(&mut self) -> crate::Result<Outcome> {
+    fn snapshot(&mut self, with_error: bool) -> crate::Result<Outcome> {
         let pixels = self.pixels() as usize;
         let statistics = self.statistics();
         let device_time = self.run.device_time;
@@ -194,7 +194,7 @@ impl Part for PathTracer<'_> {
             .map(|(c, name)| Channel { name: name.into(), values: variances.iter().map(|v| v[c] as f32).collect() })
             .collect();
         // One sample a pixel has no scatter.
-        let uncertainty = (self.samples > 1).then(|| Uncertainty::of_samples(&image, &variances));
+        let uncertainty = (with_error && self.samples > 1).then(|| Uncertainty::of_samples(&image, &variances));
         Ok(Outcome { image, channels, uncertainty, statistics })
     }
 }
