@@ -39,7 +39,11 @@ pub fn flip(image: &Image, reference: &Image) -> Result<Vec<f64>> {
         width: image.width as usize,
         height: image.height as usize,
         // A value that is no number is seen as black.
-        values: image.pixels.iter().map(|p| ycxcz(p.map(|v| f64::from(v.max(0.0).min(1.0))))).collect(),
+        values: image
+            .pixels
+            .iter()
+            .map(|p| ycxcz(p.map(|v| if v > 0.0 { f64::from(v.min(1.0)) } else { 0.0 })))
+            .collect(),
     };
     let [a, b] = [seen(image), seen(reference)];
     let (colours_a, colours_b) = (colours(&a), colours(&b));

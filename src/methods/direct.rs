@@ -5,7 +5,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::chains::{self, Chains};
+use super::chain_film;
+use super::chains::Chains;
 use super::pt::PathTracer;
 use super::session::{Part, Stage};
 use super::{Budget, Outcome, Settings};
@@ -114,7 +115,7 @@ impl Part for Both<'_> {
         let outcome = match &mut self.rest {
             Some(rest) => rest.snapshot_over(Some(&direct), with_error)?,
             // Layers are those that chains would have.
-            None => Outcome { channels: chains::black(&self.settings, Statistics::default()).channels, ..direct },
+            None => Outcome { channels: chain_film::black(&self.settings, Statistics::default()).channels, ..direct },
         };
         let rest = self.rest.is_some().then_some(outcome.statistics);
         Ok(Outcome { statistics: self.total(rest), ..outcome })

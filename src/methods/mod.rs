@@ -1,5 +1,6 @@
 //! The rendering methods: `pt`, `mlt` and `emlt` are mixes of the same parts.
 
+mod chain_film;
 mod chains;
 mod direct;
 mod pt;
