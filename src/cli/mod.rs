@@ -3,6 +3,7 @@
 //! Every failure is one line on standard error that begins with `error: `, and an exit status: 2 for bad usage or
 //! input, 1 for anything else. Nothing a user can cause shows a panic or a backtrace.
 
+mod compare;
 mod devices;
 mod info;
 mod options;
@@ -35,6 +36,7 @@ enum Command {
     Render(render::Arguments),
     #[cfg(feature = "viewer")]
     View(view::Arguments),
+    Compare(compare::Arguments),
     Info(info::Arguments),
     Devices(devices::Arguments),
 }
@@ -48,6 +50,7 @@ pub fn main() -> ExitCode {
             Command::Render(arguments) => render::run(&arguments),
             #[cfg(feature = "viewer")]
             Command::View(arguments) => view::run(&arguments),
+            Command::Compare(arguments) => compare::run(&arguments),
             Command::Info(arguments) => info::run(&arguments),
             Command::Devices(arguments) => devices::run(&arguments),
         },

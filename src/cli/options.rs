@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use glam::Vec3;
 
+use crate::ensemble::groups::MOST_GROUPS;
 use crate::ensemble::guidance::{Guidance, MOST_GUIDES};
 use crate::ensemble::mix::Mix;
 use crate::methods::{Direct, MAX_SIDE, Method, Settings, default_size};
@@ -54,6 +55,10 @@ pub struct Options {
     /// Paths in the ensemble, an even number (mlt, emlt)
     #[arg(long, value_name = "N", default_value_t = 16384, value_parser = parse_ensemble)]
     pub ensemble: u32,
+
+    /// Independent groups into which the ensemble is split: their scatter tells the image's error (mlt, emlt)
+    #[arg(long, value_name = "N", default_value_t = MOST_GROUPS, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_GROUPS)))]
+    pub groups: u32,
 
     /// Kernels with their weights, as in independence=0.1,lens=1 (mlt, emlt); 'emlt info SCENE' lists them
     #[arg(long, value_name = "NAME=WEIGHT,...")]
@@ -144,6 +149,7 @@ impl Options {
             max_depth: self.max_depth,
             camera: self.camera.clone(),
             ensemble: self.ensemble,
+            groups: self.groups,
             kernels: self.kernels.as_deref().map(Mix::parse).transpose()?,
             guidance: Guidance {
                 guides: self.guides,

@@ -1,13 +1,14 @@
 //! `emlt render`: a scene file to an image.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::options::Options;
-use crate::film::file;
+use crate::film::{Image, exr, file, metrics};
 use crate::methods::{self, Budget, Settings};
+use crate::report::log::ErrorLog;
 use crate::report::outputs::{self, Outputs};
 use crate::report::progress::Progress;
 use crate::report::summary::{Summary, peak_memory_bytes};
@@ -24,12 +25,25 @@ pub struct Arguments {
     output: Option<PathBuf>,
 
     /// Mutations per pixel (mlt, emlt) or samples per pixel (pt)
-    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..))]
-    spp: u32,
+    /// [default: 128, or no end with --target-error]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    spp: Option<u32>,
 
     /// Render for this long instead of to a number of samples
     #[arg(long, value_name = "SECONDS", conflicts_with = "spp", value_parser = parse_seconds)]
     time: Option<f64>,
+
+    /// Render until the image's own estimate of its error a pixel is below this, as in 2% or 0.02; --spp or --time cap it
+    #[arg(long, value_name = "SHARE", value_parser = parse_share)]
+    target_error: Option<f64>,
+
+    /// Write error and time at growing numbers of mutations to this table
+    #[arg(long, value_name = "FILE.csv")]
+    log: Option<PathBuf>,
+
+    /// What the image should be: the table of --log then has the errors against it
+    #[arg(long, value_name = "REF.exr", requires = "log")]
+    reference: Option<PathBuf>,
 
     /// Also write the mutation-direction maps: OUT.maps.png, and Maps.* in the EXR (mlt, emlt)
     #[arg(long)]
@@ -43,7 +57,8 @@ pub struct Arguments {
 /// Renders and writes; success means that every file was written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let outputs = outputs(arguments)?;
-    for path in [Some(&outputs.exr), Some(&outputs.png), outputs.maps.as_ref()].into_iter().flatten() {
+    let written = [Some(&outputs.exr), Some(&outputs.png), outputs.maps.as_ref(), arguments.log.as_ref()];
+    for path in written.into_iter().flatten() {
         file::check_writable(path)?;
     }
     let mut scene = arguments.options.read_scene()?;
@@ -51,19 +66,36 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         super::say("warning", warning);
     }
     let camera = arguments.options.view(&scene)?;
-    let budget = match arguments.time {
-        Some(seconds) => Budget::Seconds(seconds),
-        None => Budget::SamplesPerPixel(arguments.spp),
+    let budget = match (arguments.time, arguments.spp, arguments.target_error) {
+        (Some(seconds), _, _) => Budget::Seconds(seconds),
+        (None, Some(count), _) => Budget::SamplesPerPixel(count),
+        (None, None, Some(_)) => Budget::ENDLESS,
+        (None, None, None) => Settings::default().budget,
     };
-    let settings = Settings { budget, maps: arguments.maps, camera: None, ..arguments.options.settings(&camera)? };
+    let settings = Settings {
+        budget,
+        target_error: arguments.target_error,
+        maps: arguments.maps,
+        camera: None,
+        ..arguments.options.settings(&camera)?
+    };
     scene.cameras.insert(0, camera);
+    let reference = arguments.reference.as_deref().map(|path| reference(path, &settings)).transpose()?;
+    let log = arguments.log.clone().map(|path| ErrorLog::new(path, reference)).transpose()?;
     let outcome = {
         // Dropped before anything else is printed, which clears the bar.
         let mut progress = Progress::new(arguments.quiet);
+        if settings.target_error.is_some() {
+            progress.show_error();
+        }
+        if let Some(log) = log {
+            progress.keep_log(log);
+        }
         progress.stop_on_interrupt();
         methods::render(&scene, &settings, &mut progress)?
     };
-    let files = outputs::write(&outputs, &scene, &settings, &outcome)?;
+    let mut files = outputs::write(&outputs, &scene, &settings, &outcome)?;
+    files.extend(arguments.log.clone());
     if arguments.quiet {
         for note in &outcome.statistics.notes {
             super::say("warning", note);
@@ -79,6 +111,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let _ = write!(io::stderr(), "{summary}");
     }
     Ok(())
+}
+
+/// The image to compare with, checked before anything is rendered.
+fn reference(path: &Path, settings: &Settings) -> Result<Image> {
+    let image = exr::read(path)?
+        .image("")
+        .ok_or_else(|| Error::input(format!("{} has no channels R, G, B: choose another reference", path.display())))?;
+    let black = Image { width: settings.width, height: settings.height, pixels: vec![[0.0; 3]; image.pixels.len()] };
+    metrics::check_sizes(&black, &image)?;
+    metrics::compare(&image, &image, None)?;
+    Ok(image)
 }
 
 /// The output paths, checked for what can be said without touching the disk.
@@ -109,6 +152,13 @@ fn outputs(arguments: &Arguments) -> Result<Outputs> {
     Ok(Outputs::new(exr, arguments.maps))
 }
 
+/// 2% or 0.02.
+fn parse_share(text: &str) -> std::result::Result<f64, String> {
+    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
+    let share = number.trim().parse().ok().map(|n: f64| n * unit).filter(|s| *s > 0.0 && *s < 1.0);
+    share.ok_or_else(|| "give a share above 0 and below 1, as in 2% or 0.02".into())
+}
+
 fn parse_seconds(text: &str) -> std::result::Result<f64, String> {
     let seconds = text.parse().ok().filter(|s: &f64| s.is_finite() && *s > 0.0);
     seconds.ok_or_else(|| "give a number of seconds above 0".into())
@@ -118,7 +168,6 @@ fn parse_seconds(text: &str) -> std::result::Result<f64, String> {
 mod tests {
     use super::*;
     use clap::Parser;
-    use std::path::Path;
 
     #[derive(Parser)]
     struct Wrapper {
@@ -147,6 +196,14 @@ mod tests {
         ] {
             assert_eq!(outputs(&arguments(bad)).unwrap_err().exit_status(), 2, "{bad}");
         }
+    }
+
+    #[test]
+    fn shares_are_percent_or_below_1() {
+        for text in ["0", "0%", "-1%", "2", "100%", "nan", "inf%", "", "%", "2 percent"] {
+            assert!(parse_share(text).is_err(), "{text}");
+        }
+        assert_eq!(["2%", "0.02", "0.5 %"].map(parse_share), [Ok(0.02), Ok(0.02), Ok(0.005)]);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The start: b and the seeds, from bidirectional candidates (METHOD.md 1.2, 1.3).
 
+use super::groups::Groups;
 use super::pool::TypeKey;
 use super::strategies::{INDIRECT_EDGES, Strategies};
 use super::two_stage::PixelWeights;
@@ -91,6 +92,8 @@ pub struct Bootstrap {
     pub rays: u64,
     /// Largest share of one candidate in what the seeds are drawn by: above 1/100 the seeds are many copies of one path.
     pub largest_share: f64,
+    /// Whether groups share candidates, of which hardly any carry light.
+    pub shared: bool,
     /// How the target is shared among types of paths, as the candidates have it.
     pub types: TypeShares,
 }
@@ -107,9 +110,8 @@ pub struct Start {
     /// Candidates that count, the pilots' not among them.
     pub candidates: u32,
     pub seed: u32,
-    /// Paths in the ensemble, both halves.
-    pub paths: u32,
-    /// Columns of the chains, at least as many.
+    pub groups: Groups,
+    /// Columns of the chains, at least as many as paths.
     pub stride: u32,
     pub film: [u32; 2],
 }
@@ -140,8 +142,9 @@ pub struct Starting {
 impl Starting {
     /// Share of the candidates that are made, in [0, 1].
     pub fn share(&self) -> f64 {
-        let before = PILOT * self.pilots() as u32;
-        (f64::from(before) + self.draw.candidates.len() as f64) / f64::from(2 * PILOT + self.candidates)
+        let pilot = PILOT.min(self.candidates);
+        let before = pilot * self.pilots() as u32;
+        (f64::from(before) + self.draw.candidates.len() as f64) / f64::from(2 * pilot + self.candidates)
     }
 
     /// Pilots that are done with.
@@ -177,11 +180,16 @@ impl Start {
         self.finish(run, starting)
     }
 
+    /// Candidates of each pilot: no more than those that count.
+    fn pilot(&self) -> u32 {
+        PILOT.min(self.candidates)
+    }
+
     /// Begins what [`Self::run`] does at once; nothing is made yet.
     pub fn begin(&self, run: &Run) -> Starting {
         let only_sky = self.features.sky && !self.features.mixed;
         let strategies = Strategies::uniform(self.min_edges..=self.max_edges, only_sky);
-        let draw = self.draw(run, &strategies, PILOT, PILOT_PASSES[0]);
+        let draw = self.draw(run, &strategies, self.pilot(), PILOT_PASSES[0]);
         Starting { strategies, pixel_weights: None, rays: 0, candidates: self.candidates, draw }
     }
 
@@ -204,7 +212,7 @@ impl Start {
                 PixelWeights::from_pilot(self.film, gamma, &splats)
             });
             starting.draw = match PILOT_PASSES.get(pilots + 1) {
-                Some(pass) => self.draw(run, &starting.strategies, PILOT, *pass),
+                Some(pass) => self.draw(run, &starting.strategies, self.pilot(), *pass),
                 None => self.draw(run, &starting.strategies, self.candidates, CANDIDATE_PASS),
             };
         }
@@ -227,9 +235,9 @@ impl Start {
         weights.iter().for_each(|w| target.add(*w));
         let largest_share = weights.iter().copied().fold(0.0, f64::max) / target.sum;
         let types = TypeShares::of_start(candidates.iter().map(|c| c.key).zip(weights.iter().copied()));
-        let chosen = self.choose(&candidates, &weights);
+        let (chosen, shared) = self.choose(&candidates, &weights);
         self.fill(run, &list, &chosen)?;
-        Ok(Some(Bootstrap { strategies, b, target, pixel_weights, rays, largest_share, types }))
+        Ok(Some(Bootstrap { strategies, b, target, pixel_weights, rays, largest_share, shared, types }))
     }
 
     /// Makes `count` candidates, with their strategies; systematic over strategies, so neighbours share one.
@@ -275,30 +283,33 @@ impl Start {
     }
 
     /// Seeds of both halves: candidates drawn with probability proportional to weight by systematic resampling along a
-    /// Hilbert curve over the film. The halves draw from disjoint candidates (METHOD.md 1.3 c).
-    fn choose(&self, candidates: &[Candidate], weights: &[f64]) -> Vec<u32> {
+    /// Hilbert curve over the film. Every half of every group draws from candidates of its own (METHOD.md 1.3 c), every so
+    /// many of the list, which is sorted by strategy: each has its share of all strategies.
+    /// With the seeds comes whether that could not be done: where hardly any candidates carry light, groups share them.
+    fn choose(&self, candidates: &[Candidate], weights: &[f64]) -> (Vec<u32>, bool) {
         let side = self.film[0].max(self.film[1]).next_power_of_two();
-        let half = self.paths / 2;
-        let mut chosen = Vec::with_capacity(self.paths as usize);
-        for parity in 0..2u32 {
-            let mut pool: Vec<(u64, u32)> = (0..candidates.len() as u32)
-                .filter(|&i| i % 2 == parity && weights[i as usize] > 0.0)
-                .map(|i| {
-                    let [x, y] = candidates[i as usize].pixel.map(|p| p.max(0.0) as u32);
-                    (hilbert_index(side, x.min(side - 1), y.min(side - 1)), i)
-                })
-                .collect();
+        let seeds = self.groups.group_paths();
+        // In the order of paths: the groups of the first half, then those of the second.
+        let mut pools: Vec<Vec<(u64, u32)>> = vec![Vec::new(); 2 * self.groups.count() as usize];
+        let count = pools.len();
+        for (i, candidate) in candidates.iter().enumerate().filter(|(i, _)| weights[*i] > 0.0) {
+            let [x, y] = candidate.pixel.map(|p| p.max(0.0) as u32);
+            pools[i % count].push((hilbert_index(side, x.min(side - 1), y.min(side - 1)), i as u32));
+        }
+        let mut chosen = Vec::with_capacity(self.groups.paths() as usize);
+        let mut shared = false;
+        for (subset, mut pool) in (0..).zip(pools) {
             if pool.is_empty() {
-                // Fewer than two candidates carry light: share what there is.
+                shared = true;
                 pool = (0..candidates.len() as u32).filter(|&i| weights[i as usize] > 0.0).map(|i| (0, i)).collect();
             }
             pool.sort_unstable();
             let total: f64 = pool.iter().map(|(_, i)| weights[*i as usize]).sum();
-            let offset = rng::uniform(rng::random_words(self.seed, parity, CANDIDATE_PASS, u32::MAX - 1)[0]);
+            let offset = rng::uniform(rng::random_words(self.seed, subset, CANDIDATE_PASS, u32::MAX - 1)[0]);
             let mut member = 0;
             let mut below = 0.0;
-            for n in 0..half {
-                let target = (f64::from(n) + offset) / f64::from(half) * total;
+            for n in 0..seeds {
+                let target = (f64::from(n) + offset) / f64::from(seeds) * total;
                 while member + 1 < pool.len() && below + weights[pool[member].1 as usize] <= target {
                     below += weights[pool[member].1 as usize];
                     member += 1;
@@ -306,7 +317,7 @@ impl Start {
                 chosen.push(pool[member].1);
             }
         }
-        chosen
+        (chosen, shared)
     }
 
     /// Makes the chosen candidates again, into the chains from the first on.

@@ -1,5 +1,6 @@
 //! The pipelines of a run: what its shaders are compiled for, besides the kernel.
 
+use super::groups::Groups;
 use super::guidance::Guidance;
 use super::mix::{HALF_SWEEP, Mix};
 use super::strategies::INDIRECT_EDGES;
@@ -20,8 +21,7 @@ pub struct Build {
     pub two_stage: bool,
     pub guidance: Guidance,
     pub seed: u32,
-    /// Paths in the ensemble, both halves.
-    pub paths: u32,
+    pub groups: Groups,
 }
 
 impl Build {
@@ -58,13 +58,18 @@ impl Build {
 
     /// The fields that every pass of the run has alike.
     pub(super) fn uniform(&self) -> PassUniform {
-        self.guidance.of_run(PassUniform { seed: self.seed, stride: self.paths, ..Default::default() })
+        self.guidance.of_run(PassUniform {
+            seed: self.seed,
+            stride: self.groups.paths(),
+            group_paths: self.groups.group_paths(),
+            ..Default::default()
+        })
     }
 }
 
 /// Words of the lists that a run over `paths` paths needs: dispatch lists and nodes, or a batch of candidates.
 pub fn list_words(paths: u32, bootstrap_batch: u32) -> u64 {
-    // At worst every pass has lists of its own, two words a path, and every path a node of its own.
-    let perturbation = u64::from(paths) * u64::from(HALF_SWEEP + 1);
+    // At worst every pass has lists of its own, two words a path of one half, and every path a node of its own, three words.
+    let perturbation = u64::from(paths) * u64::from(HALF_SWEEP + 2);
     perturbation.max(3 * u64::from(bootstrap_batch.max(paths)))
 }

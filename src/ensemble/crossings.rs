@@ -81,6 +81,14 @@ impl Pair {
     }
 }
 
+/// Both halves of a group, where their paths begin, and how far partners are apart.
+#[derive(Debug, Clone, Copy)]
+pub struct Partners<'a> {
+    pub halves: [&'a Pool; 2],
+    pub first: [u32; 2],
+    pub shift: u32,
+}
+
 /// The work of one crossover over both halves.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PairList {
@@ -93,33 +101,33 @@ pub struct PairList {
 }
 
 impl PairList {
-    /// Pairs path i of the one half with path i + `shift` (modulo their number) of the other, whatever the two are, and
-    /// draws a crossing for every pair with `random(path, dimension)`. The halves' paths count from `first` on.
-    pub fn draw(
-        halves: [&Pool; 2],
-        first: [u32; 2],
-        shift: u32,
+    /// In every group pairs path i of the one half with path i + shift (modulo their number) of the other, whatever the
+    /// two are, and draws a crossing for every pair with `random(path, dimension)`.
+    pub fn draw<'a>(
+        groups: impl IntoIterator<Item = Partners<'a>>,
         random: impl Fn(u32, u32) -> [u32; 4],
         lengths: RangeInclusive<u32>,
     ) -> Self {
-        let [x_keys, v_keys] = [0, 1].map(|half| keys_by_path(halves[half], first[half]));
-        let count = x_keys.len() as u32;
         let mut list = Self::default();
         let mut resting: Vec<u32> = Vec::new();
         // Types are few: every pair of them is counted once.
         let mut known: HashMap<[TypeKey; 2], Vec<(Crossing, f32)>> = HashMap::new();
-        for i in 0..count {
-            let partner = (i + shift % count) % count;
-            let paths = [first[0] + i, first[1] + partner];
-            let keys = [x_keys[i as usize], v_keys[partner as usize]];
-            let choices = known.entry(keys).or_insert_with(|| {
-                let with_cut = |crossing| (crossing, log_cut(keys, crossing, lengths.clone()) as f32);
-                crossings(keys, lengths.clone()).map(with_cut).collect()
-            });
-            let place = rng::uniform(random(paths[0], DIMENSION_CUT)[0]) * choices.len() as f64;
-            match choices.get(place as usize) {
-                Some(&(crossing, log_cut)) => list.pairs.push(Pair { paths, crossing, log_cut }),
-                None => resting.extend(paths.into_iter().flat_map(|path| [path, 0])),
+        for Partners { halves, first, shift } in groups {
+            let [x_keys, v_keys] = [0, 1].map(|half| keys_by_path(halves[half], first[half]));
+            let count = x_keys.len() as u32;
+            for i in 0..count {
+                let partner = (i + shift % count) % count;
+                let paths = [first[0] + i, first[1] + partner];
+                let keys = [x_keys[i as usize], v_keys[partner as usize]];
+                let choices = known.entry(keys).or_insert_with(|| {
+                    let with_cut = |crossing| (crossing, log_cut(keys, crossing, lengths.clone()) as f32);
+                    crossings(keys, lengths.clone()).map(with_cut).collect()
+                });
+                let place = rng::uniform(random(paths[0], DIMENSION_CUT)[0]) * choices.len() as f64;
+                match choices.get(place as usize) {
+                    Some(&(crossing, log_cut)) => list.pairs.push(Pair { paths, crossing, log_cut }),
+                    None => resting.extend(paths.into_iter().flat_map(|path| [path, 0])),
+                }
             }
         }
         list.pairs.sort_by_key(|pair| pair.crossing);
@@ -196,7 +204,8 @@ mod tests {
         for (count, shift) in [(1, 5), (40, 0), (41, u32::MAX)] {
             let halves = [Pool::build(&keys(count), 0), Pool::build(&keys(count), 100)];
             let random = |path, dimension| rng::random_words(3, path, 9, dimension);
-            let list = PairList::draw([&halves[0], &halves[1]], [0, 100], shift, random, 1..=8);
+            let group = Partners { halves: [&halves[0], &halves[1]], first: [0, 100], shift };
+            let list = PairList::draw([group], random, 1..=8);
             let mut paths: Vec<u32> = list.pairs.iter().flat_map(|pair| pair.paths).collect();
             let resting = &list.words[list.resting_offset as usize..];
             assert_eq!(
@@ -209,5 +218,18 @@ mod tests {
             assert_eq!(paths, all);
             assert!(count == 1 || (!list.pairs.is_empty() && list.resting > 0));
         }
+    }
+
+    #[test]
+    fn partners_are_of_one_group() {
+        let pools: Vec<Pool> = (0..4).map(|i| Pool::build(&[TypeKey::from_tags(&[D, D, D]); 30], 30 * i)).collect();
+        let group = |i: usize| Partners {
+            halves: [&pools[i], &pools[2 + i]],
+            first: [30 * i as u32, 60 + 30 * i as u32],
+            shift: 7 + i as u32,
+        };
+        let list = PairList::draw([group(0), group(1)], |path, d| rng::random_words(5, path, 1, d), 1..=8);
+        assert_eq!(list.pairs.len(), 60);
+        assert!(list.pairs.iter().all(|pair| pair.paths[0] / 30 + 2 == pair.paths[1] / 30));
     }
 }

@@ -95,31 +95,33 @@ pub struct CutList {
 }
 
 impl CutList {
-    /// Draws a cut for every path of `moving` with `random(path, dimension)`. The guide of a path is any member of the
-    /// frozen half, whatever the types, the same for the way back (METHOD.md 3.6a); its column counts from
-    /// `guides_first`.
-    pub fn draw(
-        moving: &Pool,
-        guides: &Pool,
-        guides_first: u32,
+    /// Draws a cut for every path of every group with `random(path, dimension)`. A group is its moving half, the frozen
+    /// one, and the column of the latter's first guide. The guide of a path is any member of the frozen half of its group,
+    /// whatever the types, the same for the way back (METHOD.md 3.6a).
+    pub fn draw<'a>(
+        groups: impl IntoIterator<Item = (&'a Pool, &'a Pool, u32)>,
         random: impl Fn(u32, u32) -> [u32; 4],
         lengths: RangeInclusive<u32>,
     ) -> Self {
+        let mut entries: Vec<(TypeKey, CutEntry)> = Vec::new();
         let mut list = Self::default();
         let mut resting: Vec<u32> = Vec::new();
-        for node in &moving.types {
-            for &path in moving.members(node.range) {
-                match Cut::draw(node.key, random(path, DIMENSION_CUT), lengths.clone()) {
-                    Some(cut) => {
-                        let place = random(path, DIMENSION_GUIDE)[0] % guides.order.len() as u32;
-                        let guide = [guides_first + place, guides.key_at(place).edges()];
-                        list.entries.push(CutEntry { path, cut, guide });
+        for (moving, guides, guides_first) in groups {
+            for node in &moving.types {
+                for &path in moving.members(node.range) {
+                    match Cut::draw(node.key, random(path, DIMENSION_CUT), lengths.clone()) {
+                        Some(cut) => {
+                            let place = random(path, DIMENSION_GUIDE)[0] % guides.order.len() as u32;
+                            let guide = [guides_first + place, guides.key_at(place).edges()];
+                            entries.push((node.key, CutEntry { path, cut, guide }));
+                        }
+                        None => resting.extend([path, 0]),
                     }
-                    None => resting.extend([path, 0]),
                 }
             }
         }
-        list.entries.sort_by_key(|entry| entry.cut);
+        entries.sort_by_key(|(key, entry)| (entry.cut, *key));
+        list.entries = entries.into_iter().map(|(_, entry)| entry).collect();
         list.words.extend(list.entries.iter().flat_map(|entry| entry.words()));
         list.resting_offset = list.words.len() as u32;
         list.resting = resting.len() as u32 / 2;
@@ -202,5 +204,20 @@ mod tests {
             let z = (f64::from(counts[deleted]) - expected) / expected.sqrt();
             assert!(z.abs() < 4.5, "{deleted}: {counts:?}");
         }
+    }
+
+    #[test]
+    fn guides_are_of_the_paths_own_group() {
+        let keys = |n: usize| -> Vec<TypeKey> { (0..n).map(|i| TypeKey::from_tags(&[D, D, D][..1 + i % 3])).collect() };
+        // Two groups of 30: halves 0 to 59 and 60 to 119.
+        let pools: Vec<Pool> = (0..4).map(|i| Pool::build(&keys(30), 30 * i)).collect();
+        let groups = [(&pools[0], &pools[2], 60), (&pools[1], &pools[3], 90)];
+        let list = CutList::draw(groups, |path, dimension| rng::random_words(5, path, 1, dimension), 1..=8);
+        assert!(list.entries.len() > 30 && list.entries.is_sorted_by_key(|entry| entry.cut));
+        for entry in &list.entries {
+            let group = entry.path / 30;
+            assert!((60 + 30 * group..90 + 30 * group).contains(&entry.guide[0]), "{entry:?}");
+        }
+        assert_eq!(list.entries.len() as u32 + list.resting, 60);
     }
 }

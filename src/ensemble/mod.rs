@@ -1,9 +1,10 @@
 //! The ensemble: its start, its pool of guides, its sweeps.
 
 pub mod bootstrap;
-mod build;
+pub mod build;
 pub mod crossings;
 pub mod cuts;
+pub mod groups;
 pub mod guidance;
 pub mod mix;
 pub mod pool;

@@ -1,4 +1,4 @@
-//! The pool: one half of the ensemble, sorted by path type into flat index buffers.
+//! The pool: one half of an ensemble (of one group), sorted by path type into flat index buffers.
 //!
 //! The supplement (section 3) describes a tree of three levels: all paths, paths of one length, paths of one
 //! type string. Here every node of that tree is a range of one sorted array, [`Pool::order`]. The same order
@@ -51,7 +51,7 @@ pub fn select(id: u32, o: u32, count: u32) -> u32 {
     ((id % count) + o) % count
 }
 
-/// One half of the ensemble, sorted by type.
+/// One half of an ensemble, sorted by type.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Pool {
     /// Path indices, sorted by key, then by index.

@@ -2,8 +2,9 @@
 
 use super::pool::{NodeRange, Pool, select};
 
-/// How many members of a pool are looked at for the median.
-const SUBSAMPLE: usize = 256;
+/// How many members of a pool are looked at for the median. There are several pools, and this is host work: more would
+/// cost time that tells little, as the median only centres a sigmoid.
+const SUBSAMPLE: usize = 64;
 
 /// d^2 = (1/n) SUM_j |x_j - v_j|^2 / h^2 over vertices j = 0..edges of both paths: all but the camera's.
 ///
@@ -43,7 +44,7 @@ impl Similarity {
 /// S_0, the median over a pool of its members' S against the pool itself (METHOD.md 3.4).
 ///
 /// A function of the frozen half alone, so using it as the centre of the sigmoid adapts nothing to the moving half.
-/// Up to 256 members spread evenly over `pool.order` are each compared with `guides` members of the node they would
+/// Up to 64 members spread evenly over `pool.order` are each compared with `guides` members of the node they would
 /// find if they were not in the pool themselves (C12: leave a member out of its own S).
 /// `None` if no member has another of its length. `position(place, vertex)` is that of the path at `pool.order[place]`,
 /// vertex 0 at the light.

@@ -1,4 +1,5 @@
-//! Half-sweeps: one half of the ensemble moves while the other is frozen and guides it (METHOD.md 3.1, 3.7).
+//! Half-sweeps: one half of the ensemble moves while the other is frozen and guides it (METHOD.md 3.1, 3.7), in all groups
+//! at once.
 //!
 //! A half-sweep is first structural mutations of every path, then a fixed number of passes in which types do not change
 //! and the dispatch lists are sorted by type. Paths that no kernel applies to rest with their weight (C6a). It can be made in
@@ -12,6 +13,7 @@ use std::collections::VecDeque;
 use super::bootstrap::{Bootstrap, Mean};
 pub use super::build::{Build, list_words};
 use super::cuts::CutList;
+use super::groups::Group;
 use super::guidance::{Guidance, NORMAL_LENGTH, SIMILARITY_RADIUS};
 use super::mix::Mix;
 use super::pool::{Pool, TypeKey};
@@ -30,13 +32,6 @@ const DIMENSION_STRATEGY: u32 = 0xffff;
 /// The independence kernel's number in every mix.
 const INDEPENDENCE: usize = 0;
 
-/// One half while it is frozen: its pool, and the median log similarity of its members (METHOD.md 3.4).
-#[derive(Debug, Clone, Default)]
-struct Half {
-    pool: Pool,
-    similarity_median: f32,
-}
-
 /// Where a half-sweep stands between its steps.
 enum Phase {
     /// So many structural mutations of every path are made.
@@ -50,7 +45,8 @@ pub struct Ensemble {
     build: Build,
     mix: Mix,
     bootstrap: Bootstrap,
-    halves: [Half; 2],
+    /// The groups of either half, in the order of their paths.
+    halves: [Vec<Group>; 2],
     /// Which half moves next.
     moving: usize,
     phase: Phase,
@@ -92,18 +88,10 @@ impl Ensemble {
         };
         for half in 0..2 {
             let rows = ensemble.read_key_rows(run, half)?;
-            ensemble.halves[half].pool = ensemble.pool_of(&rows, half)?;
+            ensemble.halves[half] = ensemble.groups_of(&rows, half)?;
             ensemble.freeze(run, half)?;
         }
         Ok(ensemble)
-    }
-
-    fn half_paths(&self) -> u32 {
-        self.build.paths / 2
-    }
-
-    fn first_path(&self, half: usize) -> u32 {
-        half as u32 * self.half_paths()
     }
 
     /// Mutations so far; each put weight 1 on the film.
@@ -145,8 +133,8 @@ impl Ensemble {
                 if last {
                     self.freeze(run, half)?;
                     self.tally(run)?;
-                    let pool = &self.halves[half].pool;
-                    self.types.count_chains(pool.types.iter().map(|node| (node.key, node.range.count)));
+                    let nodes = self.halves[half].iter().flat_map(|group| &group.pool.types);
+                    self.types.count_chains(nodes.map(|node| (node.key, node.range.count)));
                     self.moving = 1 - half;
                     self.phase = Phase::Structural(0);
                 }
@@ -171,7 +159,7 @@ impl Ensemble {
             self.bidirectional(run, half, kernel)?;
         }
         let rows = self.read_key_rows(run, half)?;
-        self.halves[half].pool = self.pool_of(&rows, half)?;
+        self.halves[half] = self.groups_of(&rows, half)?;
         if kernel == INDEPENDENCE {
             for row in &rows {
                 let log_weight = f64::from(f32::from_bits(row[3]));
@@ -185,8 +173,9 @@ impl Ensemble {
 
     /// The independence mutation: log w of every path, then the proposals, sorted by what they draw.
     fn independence(&mut self, run: &mut Run, half: usize) -> Result<()> {
-        let first = self.first_path(half);
-        let mut entries: Vec<[u32; 2]> = (first..first + self.half_paths())
+        let half_paths = self.build.groups.half_paths();
+        let first = self.build.groups.first_of_half(half);
+        let mut entries: Vec<[u32; 2]> = (first..first + half_paths)
             .map(|path| {
                 // Drawn here, from the path's own random numbers, only so that the list can be sorted by it.
                 let words = rng::random_words(self.build.seed, path, self.pass_index, DIMENSION_STRATEGY);
@@ -198,13 +187,13 @@ impl Ensemble {
         run.set_lists(bytemuck::cast_slice(&entries));
         let uniform = PassUniform {
             pass_index: self.pass_index,
-            entries: self.half_paths(),
+            entries: half_paths,
             counters_offset: (INDEPENDENCE * COUNTER_WORDS) as u32,
             ..self.build.uniform()
         };
         let dispatches =
             ["weigh", "independence"].map(|pass| Dispatch { variant: self.build.variant(pass, &[]), uniform });
-        self.tallies[INDEPENDENCE].mutations += u64::from(self.half_paths());
+        self.tallies[INDEPENDENCE].mutations += u64::from(half_paths);
         self.pass_index += 1;
         run.submit(&dispatches)
     }
@@ -213,10 +202,9 @@ impl Ensemble {
     fn bidirectional(&mut self, run: &mut Run, half: usize, kernel: usize) -> Result<()> {
         let kernels: Vec<_> = self.mix.kernels().collect();
         let kernel_of = kernels[kernel];
+        let groups = (0..).zip(&self.halves[half]).zip(&self.halves[1 - half]);
         let list = CutList::draw(
-            &self.halves[half].pool,
-            &self.halves[1 - half].pool,
-            self.first_path(1 - half),
+            groups.map(|((group, x), y)| (&x.pool, &y.pool, self.build.groups.first(1 - half, group))),
             |path, dimension| rng::random_words(self.build.seed, path, self.pass_index, dimension),
             self.build.min_edges..=self.build.max_edges,
         );
@@ -238,20 +226,18 @@ impl Ensemble {
             .map(|(pass, flags, uniform)| Dispatch { variant: self.build.variant(pass, flags), uniform })
             .collect();
         // A mutation without a cut is one that fails at once.
-        self.tallies[kernel].mutations += u64::from(self.half_paths());
+        self.tallies[kernel].mutations += u64::from(self.build.groups.half_paths());
         self.pass_index += 1;
         run.submit(&dispatches)
     }
 
     /// The type-keeping passes; their lists go to the device at once.
     fn perturbations(&mut self, run: &Run, half: usize) -> VecDeque<Dispatch> {
-        let guides = &self.halves[1 - half];
-        let work = Work::new(&self.halves[half].pool, &guides.pool, &self.mix, self.build.features);
+        let work = Work::new(&self.halves[half], &self.halves[1 - half], &self.mix, self.build.features);
         run.set_lists(&work.words);
         let base = PassUniform {
             nodes_offset: work.nodes_offset,
-            guides_first: self.first_path(1 - half),
-            similarity_median: guides.similarity_median,
+            guides_first: self.build.groups.first_of_half(1 - half),
             ..self.build.uniform()
         };
         let kernels: Vec<_> = self.mix.kernels().collect();
@@ -294,18 +280,19 @@ impl Ensemble {
         if !self.mix.guided() {
             return Ok(());
         }
-        let first = self.first_path(half);
-        let pool = &self.halves[half].pool;
-        let words: Vec<u32> = pool.order.iter().flat_map(|&path| [path, 0]).collect();
+        let first = self.build.groups.first_of_half(half);
+        let count = self.build.groups.half_paths();
+        // The pools' orders one after another: a group's guides take the columns of its own paths.
+        let order = self.halves[half].iter().flat_map(|group| &group.pool.order);
+        let words: Vec<u32> = order.flat_map(|&path| [path, 0]).collect();
         run.set_lists(&words);
-        let uniform = PassUniform { entries: self.half_paths(), guides_first: first, ..self.build.uniform() };
+        let uniform = PassUniform { entries: count, guides_first: first, ..self.build.uniform() };
         run.submit(&[Dispatch { variant: self.build.variant("gather", &[]), uniform }])?;
-        let count = self.half_paths();
         let Guidance { normals, guides, .. } = self.build.guidance;
         let ranges: Vec<_> = (0..guide_rows(self.build.max_edges, normals))
             .map(|i| {
                 let row = (row_guide(self.build.max_edges) + i) as u64;
-                let start = 16 * (row * u64::from(self.build.paths) + u64::from(first));
+                let start = 16 * (row * u64::from(self.build.groups.paths()) + u64::from(first));
                 start..start + 16 * u64::from(count)
             })
             .collect();
@@ -313,36 +300,43 @@ impl Ensemble {
         let rows: &[[u32; 4]] = bytemuck::cast_slice(&bytes);
         let read =
             |place: u32, word: usize| unpack_position(rows[word / 4 * count as usize + place as usize][word % 4]);
-        let position = |place, vertex| read(place, 1 + vertex);
-        let with_normal = |place, vertex| {
-            let [x, y, z] = position(place, vertex);
-            let n = read(place, 1 + self.build.max_edges as usize + vertex).map(|n| NORMAL_LENGTH * n);
-            [x, y, z, n[0], n[1], n[2]]
-        };
-        let median = if normals {
-            similarity_median(pool, with_normal, SIMILARITY_RADIUS, guides)
-        } else {
-            similarity_median(pool, position, SIMILARITY_RADIUS, guides)
-        };
-        // A pool in which no path has company guides nobody: any median will do.
-        self.halves[half].similarity_median = median.unwrap_or(0.0);
+        let mut begin = 0;
+        for group in &mut self.halves[half] {
+            let position = |place, vertex| read(begin + place, 1 + vertex);
+            let with_normal = |place, vertex| {
+                let [x, y, z] = position(place, vertex);
+                let n = read(begin + place, 1 + self.build.max_edges as usize + vertex).map(|n| NORMAL_LENGTH * n);
+                [x, y, z, n[0], n[1], n[2]]
+            };
+            let median = if normals {
+                similarity_median(&group.pool, with_normal, SIMILARITY_RADIUS, guides)
+            } else {
+                similarity_median(&group.pool, position, SIMILARITY_RADIUS, guides)
+            };
+            // A pool in which no path has company guides nobody: any median will do.
+            group.similarity_median = median.unwrap_or(0.0);
+            begin += group.pool.order.len() as u32;
+        }
         Ok(())
     }
 
     fn read_key_rows(&self, run: &mut Run, half: usize) -> Result<Vec<[u32; 4]>> {
-        let start = 16 * (ROW_KEY as u64 * u64::from(self.build.paths) + u64::from(self.first_path(half)));
-        let bytes = run.read(Buffer::Chains, start..start + 16 * u64::from(self.half_paths()))?;
+        let groups = self.build.groups;
+        let start = 16 * (ROW_KEY as u64 * u64::from(groups.paths()) + u64::from(groups.first_of_half(half)));
+        let bytes = run.read(Buffer::Chains, start..start + 16 * u64::from(groups.half_paths()))?;
         Ok(bytemuck::cast_slice(&bytes).to_vec())
     }
 
-    fn pool_of(&self, rows: &[[u32; 4]], half: usize) -> Result<Pool> {
+    /// The groups of a half by the types of its paths, as the device tells them.
+    fn groups_of(&self, rows: &[[u32; 4]], half: usize) -> Result<Vec<Group>> {
         let keys: Option<Vec<TypeKey>> = rows.iter().map(|row| TypeKey::from_words([row[0], row[1]])).collect();
         let keys = keys.ok_or_else(|| {
             Error::runtime(
                 "the device returned paths without a type: its driver miscomputes, try another with --device",
             )
         })?;
-        Ok(Pool::build(&keys, self.first_path(half)))
+        let stretches = (0..).zip(keys.chunks_exact(self.build.groups.group_paths() as usize));
+        Ok(stretches.map(|(group, keys)| Group::new(Pool::build(keys, self.build.groups.first(half, group)))).collect())
     }
 
     /// b and its standard error, from the candidates and all independent proposals since.
@@ -353,6 +347,11 @@ impl Ensemble {
     /// The integral of the chains' target, by which the film is scaled (METHOD.md 1.4).
     pub fn target(&self) -> f64 {
         self.target.mean()
+    }
+
+    /// Its standard error.
+    pub fn target_error(&self) -> f64 {
+        self.target.standard_error()
     }
 
     /// w by number of the pixel: what a mutation there counts on the film.

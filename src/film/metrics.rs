@@ -34,12 +34,7 @@ pub struct Errors {
 /// Images of different sizes, and a reference without light (no relative error exists), are [`Error::Input`].
 pub fn compare(image: &Image, reference: &Image, reference_variance: Option<&Image>) -> Result<Errors> {
     for other in [Some(image), reference_variance].into_iter().flatten() {
-        if (other.width, other.height) != (reference.width, reference.height) {
-            return Err(Error::input(format!(
-                "the images differ in size ({}x{} and {}x{}): render both at the same --size",
-                other.width, other.height, reference.width, reference.height
-            )));
-        }
+        check_sizes(other, reference)?;
     }
     let mean = mean_luminance(reference);
     if !(mean > 0.0 && mean.is_finite()) {
@@ -62,6 +57,17 @@ pub fn compare(image: &Image, reference: &Image, reference_variance: Option<&Ima
             d2 / (r * r + floor)
         }),
     })
+}
+
+/// Images of different sizes are [`Error::Input`].
+pub fn check_sizes(image: &Image, reference: &Image) -> Result<()> {
+    if (image.width, image.height) == (reference.width, reference.height) {
+        return Ok(());
+    }
+    Err(Error::input(format!(
+        "the images differ in size ({}x{} and {}x{}): render both at the same --size",
+        image.width, image.height, reference.width, reference.height
+    )))
 }
 
 /// Mean Rec.709 luminance over the pixels.

@@ -1,9 +1,13 @@
 //! Images: what the renderer hands over, and how it is written and compared.
 
+pub mod cells;
 pub mod exr;
 pub mod file;
+pub mod flip;
+pub mod layers;
 pub mod metrics;
 pub mod png;
+pub mod uncertainty;
 
 /// Linear Rec.709 pixels, row 0 at the top.
 #[derive(Debug, Clone, PartialEq)]

@@ -24,6 +24,36 @@ pub fn write_directions(path: &Path, width: u32, height: u32, horizontal: &[f32]
     write(path, width, height, &bytes)
 }
 
+/// Writes values from 0 (black) over red to 1 (pale yellow), one a pixel.
+pub fn write_heat(path: &Path, width: u32, height: u32, values: &[f64]) -> Result<()> {
+    let bytes: Vec<u8> = values.iter().flat_map(|v| heat(*v)).collect();
+    write(path, width, height, &bytes)
+}
+
+/// Nine stops of the colour map `magma` (Smith and van der Walt 2015, CC0), evenly spaced.
+const MAGMA: [[u8; 3]; 9] = [
+    [0x00, 0x00, 0x04],
+    [0x1d, 0x11, 0x47],
+    [0x51, 0x12, 0x7c],
+    [0x82, 0x26, 0x81],
+    [0xb6, 0x36, 0x79],
+    [0xe6, 0x51, 0x64],
+    [0xfb, 0x88, 0x61],
+    [0xfe, 0xc2, 0x87],
+    [0xfc, 0xfd, 0xbf],
+];
+
+/// The colour of a value, linear between the stops; a NaN is the colour of 1.
+pub fn heat(value: f64) -> [u8; 3] {
+    let at = if value.is_nan() { 1.0 } else { value.clamp(0.0, 1.0) } * (MAGMA.len() - 1) as f64;
+    let stop = (at as usize).min(MAGMA.len() - 2);
+    let share = at - stop as f64;
+    std::array::from_fn(|c| {
+        let [low, high] = [MAGMA[stop][c], MAGMA[stop + 1][c]].map(f64::from);
+        (low + share * (high - low) + 0.5) as u8
+    })
+}
+
 /// A linear value as an sRGB byte (IEC 61966-2-1), rounded to nearest.
 pub fn srgb_byte(linear: f32) -> u8 {
     let x = linear.clamp(0.0, 1.0);
@@ -98,6 +128,13 @@ mod tests {
         let image = Image { width: 2, height: 1, pixels: vec![[1.0, 0.0, 0.5], [f32::NAN, 2.0, -1.0]] };
         write_preview(&path, &image).unwrap();
         assert_eq!(decode(&path), (2, 1, vec![255, 0, 188, 0, 255, 0]));
+    }
+
+    #[test]
+    fn heat_goes_through_its_stops() {
+        assert_eq!([0.0, 0.5, 1.0].map(heat), [MAGMA[0], MAGMA[4], MAGMA[8]]);
+        assert_eq!(heat(0.0625), [15, 9, 38]);
+        assert_eq!([heat(-3.0), heat(9.0), heat(f64::NAN)], [MAGMA[0], MAGMA[8], MAGMA[8]]);
     }
 
     #[test]

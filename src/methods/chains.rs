@@ -5,16 +5,20 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use super::chain_film::{
+    black, channels_of, few_groups, film_bytes, layer_bytes, layers_that_fit, luminance, maps, pixels,
+};
 use super::session::{Part, Stage};
 use super::{Budget, Direct, Method, Outcome, Settings};
 use crate::ensemble::bootstrap::{self, BATCH, BATCH_BYTES, Bootstrap, Start, Starting};
+use crate::ensemble::groups::Groups;
 use crate::ensemble::mix::Mix;
 use crate::ensemble::strategies::INDIRECT_EDGES;
 use crate::ensemble::sweep::{Build, Ensemble, list_words};
 use crate::ensemble::type_shares;
-use crate::film::{Channel, Image};
+use crate::film::layers::Layers;
 use crate::gpu::context::Context;
-use crate::gpu::layout::{COUNTER_WORDS, FILM_SCALE, chain_rows};
+use crate::gpu::layout::{COUNTER_WORDS, chain_rows};
 use crate::gpu::pipelines::{Built, Compilation};
 use crate::gpu::run::{Buffer, Run, Sizes};
 use crate::gpu::scene::GpuScene;
@@ -83,6 +87,12 @@ impl<'a> Chains<'a> {
         settings.guidance.check()?;
         let weights = settings.kernels.clone().unwrap_or_else(|| default_mix(settings.method));
         let mix = Mix::new(&weights, features);
+        let groups = Groups::new(settings.ensemble, settings.groups.min(layers_that_fit(context, settings)));
+        if settings.target_error.is_some() && groups.count() < 2 {
+            return Err(crate::Error::input(
+                "a target error needs at least two groups, whose scatter tells the error: raise --groups or lower --size",
+            ));
+        }
         let min_edges = if settings.direct == Direct::Pt { INDIRECT_EDGES } else { 1 };
         let build = Build {
             features,
@@ -92,12 +102,12 @@ impl<'a> Chains<'a> {
             two_stage: settings.two_stage.is_some(),
             guidance: settings.guidance,
             seed: settings.seed,
-            paths: settings.ensemble,
+            groups,
         };
         let sizes = Sizes {
             chains: 16 * chain_rows(settings.max_depth) as u64 * u64::from(settings.ensemble),
             lists: 4 * list_words(settings.ensemble, BATCH),
-            output: film_bytes(settings).max(BATCH_BYTES),
+            output: film_bytes(settings, groups.count()).max(BATCH_BYTES),
             counters: 4 * (COUNTER_WORDS * mix.kernels().len()) as u64,
         };
         let start = Start {
@@ -107,7 +117,7 @@ impl<'a> Chains<'a> {
             two_stage: settings.two_stage,
             candidates: settings.candidates,
             seed: settings.seed,
-            paths: settings.ensemble,
+            groups,
             stride: settings.ensemble,
             film: [settings.width, settings.height],
         };
@@ -120,12 +130,15 @@ impl<'a> Chains<'a> {
             phase: Phase::Fresh,
             kernels: None,
             dispatches_per_step: 1,
-            statistics: Statistics::default(),
+            statistics: Statistics {
+                notes: few_groups(settings, groups).into_iter().collect(),
+                ..Statistics::default()
+            },
         })
     }
 
     fn pixels(&self) -> u64 {
-        u64::from(self.settings.width) * u64::from(self.settings.height)
+        pixels(&self.settings)
     }
 
     /// Has pipelines built: those of the kernels on a thread of their own.
@@ -157,6 +170,12 @@ impl<'a> Chains<'a> {
                 "one start candidate holds {:.1} % of all light: b and the start are uncertain, compare several seeds",
                 100.0 * bootstrap.largest_share
             ));
+        }
+        if bootstrap.shared {
+            self.statistics.notes.push(
+                "hardly any start candidates carry light, so that groups had to share them: the stated error is too small"
+                    .into(),
+            );
         }
         let built = match self.kernels.take() {
             Some(thread) => thread.join().expect("building pipelines does not panic")?,
@@ -284,70 +303,48 @@ impl Part for Chains<'_> {
         statistics
     }
 
-    fn snapshot(&mut self) -> crate::Result<Outcome> {
+    fn snapshot(&mut self, with_error: bool) -> crate::Result<Outcome> {
+        self.snapshot_over(None, with_error)
+    }
+}
+
+impl Chains<'_> {
+    /// The image on top of an independent one.
+    pub(super) fn snapshot_over(&mut self, beneath: Option<&Outcome>, with_error: bool) -> crate::Result<Outcome> {
         let mut statistics = self.statistics();
-        let Phase::Rendering(ensemble) = &self.phase else { return Ok(black(&self.settings, statistics)) };
-        let device_time = self.run.device_time;
-        let bytes = self.run.read(Buffer::Output, 0..film_bytes(&self.settings))?;
-        self.run.device_time = device_time;
-        let film = Film { words: bytemuck::cast_slice(&bytes), channels: channels(&self.settings) };
-        let mutations = ensemble.mutations().max(1) as f64;
-        statistics.integrity = Some(film.luminance(|pixel| ensemble.pixel_weight(pixel)) / mutations - 1.0);
-        let pixels = self.pixels();
-        let scale = ensemble.target() * pixels as f64 / mutations;
-        let image = Image {
-            width: self.settings.width,
-            height: self.settings.height,
-            pixels: (0..pixels as usize).map(|p| [0, 1, 2].map(|c| (film.value(p, c) * scale) as f32)).collect(),
+        let beneath = beneath.map(|outcome| (&outcome.image, outcome.uncertainty.as_ref()));
+        let Phase::Rendering(ensemble) = &self.phase else {
+            let mut outcome = black(&self.settings, statistics);
+            if let Some((image, uncertainty)) = beneath {
+                outcome.image = image.clone();
+                outcome.uncertainty = uncertainty.cloned();
+            }
+            return Ok(outcome);
         };
-        let channels = maps(&self.settings, |pixel, channel| film.value(pixel, channel) as f32);
-        Ok(Outcome { image, channels, statistics })
-    }
-}
-
-/// Channels of the film on the device: R, G, B, and the two maps where they are asked for.
-fn channels(settings: &Settings) -> usize {
-    if settings.maps { 5 } else { 3 }
-}
-
-fn film_bytes(settings: &Settings) -> u64 {
-    8 * channels(settings) as u64 * u64::from(settings.width) * u64::from(settings.height)
-}
-
-/// The layers that were asked for, by pixel and channel of the film.
-fn maps(settings: &Settings, value: impl Fn(usize, usize) -> f32) -> Vec<Channel> {
-    let pixels = settings.width as usize * settings.height as usize;
-    let layer = |(name, channel): (&str, usize)| Channel {
-        name: name.into(),
-        values: (0..pixels).map(|pixel| value(pixel, channel)).collect(),
-    };
-    let names = [("Maps.Horizontal", 3), ("Maps.Vertical", 4)];
-    names.into_iter().filter(|_| settings.maps).map(layer).collect()
-}
-
-/// What chains without any light to carry make.
-pub(super) fn black(settings: &Settings, statistics: Statistics) -> Outcome {
-    let Settings { width, height, .. } = *settings;
-    let image = Image { width, height, pixels: vec![[0.0; 3]; width as usize * height as usize] };
-    Outcome { image, channels: maps(settings, |_, _| 0.0), statistics }
-}
-
-/// The integer film as the shaders leave it: low and high word per pixel and channel.
-struct Film<'a> {
-    words: &'a [u32],
-    channels: usize,
-}
-
-impl Film<'_> {
-    fn value(&self, pixel: usize, channel: usize) -> f64 {
-        let word = 2 * (pixel * self.channels + channel);
-        (f64::from(self.words[word]) + f64::from(self.words[word + 1]) * 2f64.powi(32)) / FILM_SCALE
-    }
-
-    /// Total splatted luminance over w of the pixel: one per mutation if no weight is lost (METHOD.md 1.4, C12).
-    fn luminance(&self, pixel_weight: impl Fn(usize) -> f64) -> f64 {
-        let pixels = self.words.len() / (2 * self.channels);
-        let luminance = |p| 0.2126 * self.value(p, 0) + 0.7152 * self.value(p, 1) + 0.0722 * self.value(p, 2);
-        (0..pixels).map(|p| luminance(p) / pixel_weight(p)).sum()
+        let device_time = self.run.device_time;
+        let groups = self.build.groups.count();
+        // Of one group; all make as many.
+        let mutations = ensemble.mutations().max(1) as f64 / f64::from(groups);
+        let weights: Vec<f64> = (0..self.pixels() as usize).map(|pixel| ensemble.pixel_weight(pixel)).collect();
+        let mut layers = Layers::new(self.settings.width, self.settings.height, with_error);
+        let mut integrity = 0.0f64;
+        // A layer at a time: all together would take several times the image's memory.
+        let layer = layer_bytes(&self.settings);
+        for group in 0..u64::from(groups) {
+            let bytes = self.run.read(Buffer::Output, group * layer..(group + 1) * layer)?;
+            let values: Vec<[f64; 3]> = channels_of(&bytes);
+            let lost = luminance(&values, &weights) / mutations - 1.0;
+            integrity = if lost.abs() > integrity.abs() { lost } else { integrity };
+            layers.add(&values);
+        }
+        statistics.integrity = Some(integrity);
+        let scale = ensemble.target() * self.pixels() as f64 / mutations;
+        let (image, uncertainty) = layers.finish(scale, ensemble.target_error() / ensemble.target(), beneath);
+        let all = u64::from(groups) * layer;
+        let bytes = self.run.read(Buffer::Output, all..film_bytes(&self.settings, groups))?;
+        self.run.device_time = device_time;
+        let directions: Vec<[f64; 2]> = channels_of(&bytes);
+        let channels = maps(&self.settings, |pixel, channel| directions[pixel][channel] as f32);
+        Ok(Outcome { image, channels, uncertainty, statistics })
     }
 }

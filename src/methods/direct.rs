@@ -5,7 +5,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::chains::{self, Chains};
+use super::chain_film;
+use super::chains::Chains;
 use super::pt::PathTracer;
 use super::session::{Part, Stage};
 use super::{Budget, Outcome, Settings};
@@ -109,14 +110,13 @@ impl Part for Both<'_> {
         self.total(self.rest.as_ref().map(Part::statistics))
     }
 
-    fn snapshot(&mut self) -> crate::Result<Outcome> {
-        let mut outcome = match &mut self.rest {
-            Some(rest) => rest.snapshot()?,
-            None => chains::black(&self.settings, Statistics::default()),
+    fn snapshot(&mut self, with_error: bool) -> crate::Result<Outcome> {
+        let direct = self.direct.snapshot(with_error)?;
+        let outcome = match &mut self.rest {
+            Some(rest) => rest.snapshot_over(Some(&direct), with_error)?,
+            // Layers are those that chains would have.
+            None => Outcome { channels: chain_film::black(&self.settings, Statistics::default()).channels, ..direct },
         };
-        for (pixel, add) in outcome.image.pixels.iter_mut().zip(&self.direct.snapshot()?.image.pixels) {
-            pixel.iter_mut().zip(add).for_each(|(sum, add)| *sum += add);
-        }
         let rest = self.rest.is_some().then_some(outcome.statistics);
         Ok(Outcome { statistics: self.total(rest), ..outcome })
     }

@@ -1,22 +1,24 @@
 //! The rendering methods: `pt`, `mlt` and `emlt` are mixes of the same parts.
 
+mod chain_film;
 mod chains;
 mod direct;
 mod pt;
+mod render;
 mod session;
 
-use std::time::Instant;
-
 use crate::ensemble::bootstrap::CANDIDATES;
+use crate::ensemble::groups::MOST_GROUPS;
 use crate::ensemble::guidance::Guidance;
+use crate::film::uncertainty::Uncertainty;
 use crate::film::{Channel, Image};
-use crate::gpu::context::Context;
 use crate::kernels::Kernel;
 pub use crate::report::observer::{Observer, Silent};
 use crate::report::statistics::Statistics;
+use crate::scene::Camera;
 use crate::scene::material::GLOSSY_AS_SPECULAR_ALPHA;
-use crate::scene::{Camera, Scene};
 pub use chains::default_mix;
+pub use render::{render, render_on};
 pub use session::{Prepared, Session, Stage};
 
 /// Which mix of parts renders the image.
@@ -93,8 +95,12 @@ pub struct Settings {
     pub camera: Option<String>,
     /// Paths in the ensemble: both halves together.
     pub ensemble: u32,
+    /// Independent groups into which it is split, whose scatter tells the image's error (mlt, emlt).
+    pub groups: u32,
     /// Candidates from which the chains' start and b come (mlt, emlt).
     pub candidates: u32,
+    /// Ends the render, within the budget, once the image's own error a pixel is below this share.
+    pub target_error: Option<f64>,
     /// Kernels with their weights (mlt, emlt); the method's own mix without.
     pub kernels: Option<Vec<(&'static Kernel, f64)>>,
     /// How guided kernels look at the other half (emlt).
@@ -123,7 +129,9 @@ impl Default for Settings {
             max_depth: 12,
             camera: None,
             ensemble: 16384,
+            groups: MOST_GROUPS,
             candidates: CANDIDATES,
+            target_error: None,
             kernels: None,
             guidance: Guidance::default(),
             direct: Direct::Mcmc,
@@ -149,44 +157,7 @@ pub struct Outcome {
     pub image: Image,
     /// `Maps.*` and other layers that were asked for.
     pub channels: Vec<Channel>,
+    /// How uncertain the image is, where it can be told.
+    pub uncertainty: Option<Uncertainty>,
     pub statistics: Statistics,
-}
-
-/// Renders `scene` as `settings` say, on a device that it opens.
-pub fn render(scene: &Scene, settings: &Settings, observer: &mut dyn Observer) -> crate::Result<Outcome> {
-    observer.stage("setting up");
-    let start = Instant::now();
-    let context = Context::open(settings.device.as_deref())?;
-    let opened_s = start.elapsed().as_secs_f64();
-    let mut outcome = render_on(&context, scene, settings, observer)?;
-    outcome.statistics.setup_s += opened_s;
-    Ok(outcome)
-}
-
-/// The same on an open device, which remembers its pipelines from render to render.
-pub fn render_on(
-    context: &Context,
-    scene: &Scene,
-    settings: &Settings,
-    observer: &mut dyn Observer,
-) -> crate::Result<Outcome> {
-    let start = Instant::now();
-    let prepared = Prepared::new(scene, settings)?;
-    let mut session = Session::start(context, &prepared, settings)?;
-    drop(prepared);
-    let setup_s = start.elapsed().as_secs_f64();
-    let mut stage = None;
-    let mut interrupted = false;
-    while !session.is_done() && !interrupted {
-        if stage.replace(session.stage()) != Some(session.stage()) {
-            observer.stage(session.stage().name());
-        }
-        session.advance(None)?;
-        observer.progress(session.share());
-        interrupted = session.has_image() && observer.stop_requested();
-    }
-    let mut outcome = session.finish()?;
-    outcome.statistics.setup_s = setup_s;
-    outcome.statistics.interrupted = interrupted;
-    Ok(outcome)
 }

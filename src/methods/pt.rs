@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::session::{Part, Stage};
 use super::{Budget, Outcome, Settings};
+use crate::film::uncertainty::{CHANNELS, Uncertainty, Y};
 use crate::film::{Channel, Image};
 use crate::gpu::context::Context;
 use crate::gpu::layout::{COUNTER_NON_FINITE, COUNTER_RAYS, COUNTER_WORDS, PassUniform};
@@ -12,7 +13,7 @@ use crate::gpu::run::{Buffer, Dispatch, Run, Sizes};
 use crate::gpu::scene::GpuScene;
 use crate::gpu::shader::Variant;
 use crate::report::statistics::Statistics;
-use crate::scene::Features;
+use crate::scene::{Features, LUMINANCE};
 
 /// Passes between looks at the clock, where no step has a time limit.
 const PASSES_PER_STEP: u32 = 4;
@@ -166,7 +167,7 @@ impl Part for PathTracer<'_> {
         }
     }
 
-    fn snapshot(&mut self) -> crate::Result<Outcome> {
+    fn snapshot(&mut self, with_error: bool) -> crate::Result<Outcome> {
         let pixels = self.pixels() as usize;
         let statistics = self.statistics();
         let device_time = self.run.device_time;
@@ -175,22 +176,25 @@ impl Part for PathTracer<'_> {
         let rows: &[[f32; 4]] = bytemuck::cast_slice(&bytes);
         let [width, height] = self.size;
         let mut image = Image { width, height, pixels: Vec::with_capacity(pixels) };
-        let mut variance = [const { Vec::new() }; 3];
+        let mut variances: Vec<[f64; CHANNELS]> = Vec::with_capacity(pixels);
         for (number, pixel) in rows.chunks_exact(3).enumerate() {
             let n = f64::from(self.samples + u32::from((number as u32) < self.sampled)).max(1.0);
             let mean = |c: usize| (f64::from(pixel[0][c]) - f64::from(pixel[1][c])) / n;
-            image.pixels.push([0, 1, 2].map(|c| mean(c) as f32));
-            for (c, channel) in variance.iter_mut().enumerate() {
-                // Variance of the mean, from the samples' own scatter.
-                let scatter = (f64::from(pixel[2][c]) / n - mean(c) * mean(c)).max(0.0);
-                channel.push((scatter / (n - 1.0).max(1.0)) as f32);
-            }
+            let value = [0, 1, 2].map(mean);
+            image.pixels.push(value.map(|v| v as f32));
+            // Variance of the mean, from the samples' own scatter.
+            let variance =
+                |squares: f32, mean: f64| (f64::from(squares) / n - mean * mean).max(0.0) / (n - 1.0).max(1.0);
+            let [r, g, b] = [0, 1, 2].map(|c| variance(pixel[2][c], value[c]));
+            variances.push([r, g, b, variance(pixel[2][Y], LUMINANCE.dot(value.into()))]);
         }
         let channels = ["Variance.R", "Variance.G", "Variance.B"]
             .into_iter()
-            .zip(variance)
-            .map(|(name, values)| Channel { name: name.into(), values })
+            .enumerate()
+            .map(|(c, name)| Channel { name: name.into(), values: variances.iter().map(|v| v[c] as f32).collect() })
             .collect();
-        Ok(Outcome { image, channels, statistics })
+        // One sample a pixel has no scatter.
+        let uncertainty = (with_error && self.samples > 1).then(|| Uncertainty::of_samples(&image, &variances));
+        Ok(Outcome { image, channels, uncertainty, statistics })
     }
 }

@@ -29,8 +29,15 @@ pub fn attributes(scene: &Scene, settings: &Settings, statistics: &Statistics) -
         list.push(("b", b.into()));
         list.push(("bStandardError", standard_error.into()));
     }
+    if let Some(error) = statistics.error {
+        list.push(("errorPixels", error.pixels.into()));
+        list.push(("errorTiles", error.tiles.into()));
+        list.push(("filmMean", error.film.into()));
+        list.push(("filmMeanStandardError", error.film_error.into()));
+    }
     if !statistics.kernels.is_empty() {
         list.push(("ensemble", f64::from(settings.ensemble).into()));
+        list.push(("groups", f64::from(statistics.error.map_or(1, |error| error.groups)).into()));
         let guidance = settings.guidance;
         list.push(("guides", f64::from(guidance.guides).into()));
         list.push(("alphaLow", f64::from(guidance.alpha[0]).into()));

@@ -26,8 +26,15 @@ impl Outputs {
 
 /// Writes every output and returns their paths; the EXR first, as it is the one that cannot be made from another.
 pub fn write(outputs: &Outputs, scene: &Scene, settings: &Settings, outcome: &Outcome) -> Result<Vec<PathBuf>> {
-    let Outcome { image, channels, statistics } = outcome;
-    exr::write(&outputs.exr, image, channels, &metadata::attributes(scene, settings, statistics))?;
+    let Outcome { image, channels, uncertainty, statistics } = outcome;
+    let mut all = channels.clone();
+    if let Some(uncertainty) = uncertainty {
+        all.extend(["Error.R", "Error.G", "Error.B"].into_iter().enumerate().map(|(c, name)| Channel {
+            name: name.into(),
+            values: uncertainty.pixels.pixels.iter().map(|pixel| pixel[c]).collect(),
+        }));
+    }
+    exr::write(&outputs.exr, image, &all, &metadata::attributes(scene, settings, statistics))?;
     png::write_preview(&outputs.png, image)?;
     let mut files = vec![outputs.exr.clone(), outputs.png.clone()];
     if let Some(path) = &outputs.maps {

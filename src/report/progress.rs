@@ -8,7 +8,11 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::Result;
+use crate::methods::Outcome;
+use crate::report::log::ErrorLog;
 use crate::report::observer::Observer;
+use crate::report::summary::percent;
 
 /// Steps of the bar: finer than any terminal is wide, so that the estimate of the remaining time is smooth.
 const STEPS: u64 = 10_000;
@@ -19,13 +23,25 @@ const INTERRUPTED: i32 = 130;
 /// Shows stage, bar, elapsed and remaining time; shows nothing when quiet or when standard error is no terminal.
 pub struct Progress {
     quiet: bool,
+    shows_error: bool,
+    log: Option<ErrorLog>,
     bar: Option<ProgressBar>,
     stop: Arc<AtomicBool>,
 }
 
 impl Progress {
     pub fn new(quiet: bool) -> Self {
-        Self { quiet, bar: None, stop: Arc::default() }
+        Self { quiet, shows_error: false, log: None, bar: None, stop: Arc::default() }
+    }
+
+    /// Shows the image's own error beside the stage.
+    pub fn show_error(&mut self) {
+        self.shows_error = !self.quiet;
+    }
+
+    /// Has every look at the image written down.
+    pub fn keep_log(&mut self, log: ErrorLog) {
+        self.log = Some(log);
     }
 
     /// From now on the first Ctrl-C asks the renderer to stop, and the second one quits at once.
@@ -74,6 +90,17 @@ impl Observer for Progress {
         if let Some(bar) = &self.bar {
             bar.set_position((share.clamp(0.0, 1.0) * STEPS as f64) as u64);
         }
+    }
+
+    fn looks(&self) -> bool {
+        self.shows_error || self.log.is_some()
+    }
+
+    fn look(&mut self, outcome: &Outcome) -> Result<()> {
+        if let (Some(bar), Some(error)) = (&self.bar, outcome.statistics.error) {
+            bar.set_message(format!("rendering, {}", percent(error.pixels)));
+        }
+        self.log.as_mut().map_or(Ok(()), |log| log.row(outcome))
     }
 
     fn stop_requested(&self) -> bool {

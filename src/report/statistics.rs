@@ -1,6 +1,7 @@
 //! The figures a render ends with.
 
 use crate::ensemble::type_shares::TypeStatistics;
+use crate::film::uncertainty::{Uncertainty, Y};
 
 /// One transition kernel's counts over a render.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -13,6 +14,35 @@ pub struct KernelStatistics {
     pub non_finite: u64,
     /// Mean of acceptance times squared pixel distance, per mutation, in px^2.
     pub mean_squared_jump_px2: f64,
+}
+
+/// How far the image may be from the truth, by its own account (docs/METHOD.md 5.10, film::uncertainty).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorStatistics {
+    /// Root of the estimated relMSE of pixels, and of the means of 8x8 tiles.
+    pub pixels: f64,
+    pub tiles: f64,
+    /// Mean luminance of the film, and half the width of its 95 % interval.
+    pub film: f64,
+    pub film_half_width: f64,
+    /// Standard error of that mean.
+    pub film_error: f64,
+    /// Independent groups whose scatter told it; 0 for a path tracer's samples.
+    pub groups: u32,
+}
+
+impl ErrorStatistics {
+    pub fn new(uncertainty: &Uncertainty) -> Self {
+        let film = &uncertainty.film[Y];
+        Self {
+            pixels: uncertainty.relative,
+            tiles: uncertainty.relative_of_tiles,
+            film: film.mean,
+            film_half_width: film.half_width(0.05),
+            film_error: film.standard_error(),
+            groups: uncertainty.groups,
+        }
+    }
 }
 
 /// The figures of one render; fields that a method lacks stay at their default.
@@ -30,6 +60,8 @@ pub struct Statistics {
     pub kernels: Vec<KernelStatistics>,
     /// Mean image luminance b and its standard error, without direct light that was made apart; none for pt.
     pub b: Option<(f64, f64)>,
+    /// The image's own error; none where the figures were asked for without the image, or where it cannot be told.
+    pub error: Option<ErrorStatistics>,
     /// How the light is shared among types of paths, the largest share first; empty for pt.
     pub types: Vec<TypeStatistics>,
     /// Total splatted luminance (over w of a two-stage target) over mutations, minus one; none for pt.

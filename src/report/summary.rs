@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter};
 use std::fs;
 use std::path::PathBuf;
 
-use super::statistics::{KernelStatistics, Statistics};
+use super::statistics::{ErrorStatistics, KernelStatistics, Statistics};
 use crate::methods::Method;
 
 /// Everything the table shows; print it with `{}` (several lines, each ended by a line feed).
@@ -49,6 +49,9 @@ impl Display for Summary<'_> {
             let part = if s.direct_samples > 0 { ", direct light not counted" } else { "" };
             row("b", format!("{b:.6} +- {:.2} %{part}", 100.0 * standard_error / b))?;
         }
+        if let Some(error) = s.error {
+            row("error", error_row(&error))?;
+        }
         if let Some(worst) =
             s.types.iter().filter(|t| t.start.max(t.chains) >= 1e-3).max_by(|a, b| a.z().abs().total_cmp(&b.z().abs()))
         {
@@ -91,6 +94,22 @@ impl Display for Summary<'_> {
         }
         kernel_table(f, &s.kernels)
     }
+}
+
+/// The image's error in words.
+fn error_row(error: &ErrorStatistics) -> String {
+    let [low, high] = [-1.0, 1.0].map(|sign| error.film + sign * error.film_half_width);
+    let by = match error.groups {
+        0 => "by the scatter of samples".to_string(),
+        groups => format!("by the scatter of {groups} groups"),
+    };
+    let [pixels, tiles] = [error.pixels, error.tiles].map(percent);
+    format!("{pixels} a pixel, {tiles} of 8x8 tiles, {by}; film mean {:.6}, 95 % in {low:.6} to {high:.6}", error.film)
+}
+
+/// A share with two digits or more.
+pub fn percent(share: f64) -> String {
+    if share < 0.1 { format!("{:.2} %", 100.0 * share) } else { format!("{:.1} %", 100.0 * share) }
 }
 
 /// One line per kernel, columns aligned; nothing without kernels.
@@ -178,6 +197,14 @@ mod tests {
             rays: 120_000_000,
             kernels: vec![kernel("bidirectional", 1_000_000, 0), kernel("lens", 4_200_000, 3)],
             b: Some((0.25, 0.001)),
+            error: Some(ErrorStatistics {
+                pixels: 0.213,
+                tiles: 0.0321,
+                film: 0.25,
+                film_half_width: 0.002,
+                film_error: 0.001,
+                groups: 8,
+            }),
             types: vec![TypeStatistics {
                 name: "L S D E".into(),
                 start: 0.04,
@@ -209,6 +236,7 @@ mutations   20,000,000 (62.50 per pixel), 0.500 million per second
 direct      5,000,000 samples of the path tracer (15.62 per pixel)
 rays        120,000,000, 2.892 million per second
 b           0.250000 +- 0.40 %, direct light not counted
+error       21.3 % a pixel, 3.21 % of 8x8 tiles, by the scatter of 8 groups; film mean 0.250000, 95 % in 0.248000 to 0.252000
 types       1 hold 0.1 % of the light or more; chains and start differ by 1.2 standard errors at most (L S D E)
 integrity   -2.5e-7 (splatted luminance over mutations, minus 1)
 non-finite  proposals, all rejected: 3 in lens

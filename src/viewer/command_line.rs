@@ -49,6 +49,9 @@ pub fn command_line(scene: &Opened, settings: &Settings, orbit: &Orbit, samples:
         if settings.ensemble != default.ensemble {
             flag("ensemble", settings.ensemble.to_string());
         }
+        if settings.groups != default.groups {
+            flag("groups", settings.groups.to_string());
+        }
         if settings.direct == Direct::Pt {
             flag("direct", "pt".into());
         }
@@ -133,6 +136,7 @@ mod tests {
             seed: 7,
             max_depth: 5,
             ensemble: 1024,
+            groups: 4,
             direct: Direct::Pt,
             two_stage: Some(0.5),
             kernels: Some(crate::ensemble::mix::Mix::parse("independence=0.1,lens=1").unwrap()),
@@ -140,7 +144,7 @@ mod tests {
         };
         assert_eq!(
             command_line(&scene, &settings, &orbit, 0, true),
-            r"emlt render 'scenes/my box.glb' --method mlt --size 640x480 --spp 1 --camera 'Bob'\''s' --look-from 0.1,-2,3.5 --look-at 0,0,0 --seed 7 --max-depth 5 --ensemble 1024 --direct pt --two-stage 0.5 --kernels independence=0.1,lens=1 --maps"
+            r"emlt render 'scenes/my box.glb' --method mlt --size 640x480 --spp 1 --camera 'Bob'\''s' --look-from 0.1,-2,3.5 --look-at 0,0,0 --seed 7 --max-depth 5 --ensemble 1024 --groups 4 --direct pt --two-stage 0.5 --kernels independence=0.1,lens=1 --maps"
         );
     }
 }

@@ -69,6 +69,6 @@ impl<'a> Preview<'a> {
             return Ok(None);
         }
         self.shown = Some(Instant::now());
-        Ok(Some(self.session.snapshot()?.image))
+        Ok(Some(self.session.glance()?.image))
     }
 }

@@ -322,7 +322,7 @@ impl<'a> Worker<'a> {
     fn show(&mut self, slot: usize) -> Result<()> {
         let track = &mut self.tracks[slot];
         let start = Instant::now();
-        let Outcome { image, channels, statistics } = track.session.snapshot()?;
+        let Outcome { image, channels, statistics, .. } = track.session.glance()?;
         let error = self.state.reference.as_ref().and_then(|reference| {
             // Of another size: that was said when it was loaded, or will be by the window.
             let errors = metrics::compare(&image, reference, None).ok()?;

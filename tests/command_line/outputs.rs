@@ -131,3 +131,94 @@ fn an_interrupt_keeps_the_image() {
     assert!(said.contains("interrupted "), "{said}");
     assert_eq!(place.files(), ["scene.exr", "scene.gltf", "scene.png"]);
 }
+
+/// The lines of a table as numbers; what is left empty is none.
+fn table(path: &std::path::Path) -> Vec<Vec<Option<f64>>> {
+    let text = std::fs::read_to_string(path).unwrap();
+    assert!(text.starts_with("render_s,total_s,samples_per_pixel,") && text.ends_with('\n'), "{text}");
+    let line = |line: &str| line.split(',').map(|field| field.parse().ok()).collect();
+    text.lines().skip(1).map(line).collect()
+}
+
+#[test]
+fn a_render_tells_its_error_and_logs_it() {
+    let place = Place::new();
+    let first = ["render", "scene.gltf", "--method", "pt", "--size", "12x8", "--spp", "4", "-q", "-o", "ref.exr"];
+    assert_eq!(place.run(&first).status.code(), Some(0));
+    let arguments = [
+        "render",
+        "scene.gltf",
+        "--method",
+        "mlt",
+        "--size",
+        "12x8",
+        "--spp",
+        "400",
+        "--ensemble",
+        "64",
+        "--log",
+        "run.csv",
+        "--reference",
+        "ref.exr",
+    ];
+    let output = place.run(&arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(said.contains("by the scatter of 8 groups; film mean") && said.contains("run.csv"), "{said}");
+    let rows = table(&place.path("run.csv"));
+    assert!(rows.len() > 4, "{rows:?}");
+    assert!(rows.iter().all(|row| row.len() == 11 && row.iter().all(Option::is_some)), "{rows:?}");
+    assert!(rows.is_sorted_by(|a, b| a[2] < b[2] && a[0] <= b[0] && a[0] < b[1]), "{rows:?}");
+    assert!(rows.last().unwrap()[2] >= Some(400.0));
+    let file = emlt::film::exr::read(&place.path("scene.exr")).unwrap();
+    let errors = file.image("Error.").unwrap();
+    assert!(errors.pixels.iter().flatten().all(|e| e.is_finite() && *e >= 0.0));
+    for name in ["errorPixels", "errorTiles", "filmMean", "filmMeanStandardError"] {
+        assert!(file.attribute(name).is_some(), "{name}");
+    }
+}
+
+#[test]
+fn a_render_stops_at_its_target() {
+    let place = Place::new();
+    for method in ["pt", "mlt"] {
+        let arguments = ["render", "scene.gltf", "--size", "12x8", "--ensemble", "64", "--target-error", "10%"];
+        let output = place.run(&[&arguments[..], &["--method", method, "--log", "run.csv"]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let rows = table(&place.path("run.csv"));
+        let (last, before) = rows.split_last().unwrap();
+        assert!(last[3] <= Some(0.1), "{rows:?}");
+        assert!(before.iter().all(|row| row[3] > Some(0.1)), "{rows:?}");
+    }
+    // A cap that comes first is said.
+    let arguments = ["render", "scene.gltf", "--method", "mlt", "--size", "12x8", "--ensemble", "64", "--spp", "40"];
+    let output = place.run(&[&arguments[..], &["--target-error", "0.0001"]].concat());
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(said.contains("the target error of 0.01 % was not reached"), "{said}");
+}
+
+#[test]
+fn images_are_compared() {
+    use emlt::film::{Image, exr};
+    let place = Place::new();
+    let image = |value: f32| Image { width: 3, height: 2, pixels: vec![[value; 3]; 6] };
+    for (name, value) in [("a.exr", 0.5), ("b.exr", 0.25)] {
+        exr::write(&place.path(name), &image(value), &[], &[]).unwrap();
+    }
+    let output = place.run(&["compare", "a.exr", "b.exr"]);
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    // 0.25^2; over 0.25^2 with 0.01 of the mean's square.
+    for words in ["MSE             6.250000e-2", "MAE             2.500000e-1", "relMSE          9.900990e-1", "FLIP"] {
+        assert!(said.contains(words), "{words:?} is not in:\n{said}");
+    }
+    assert_eq!(place.files(), ["a.difference.png", "a.exr", "b.exr", "scene.gltf"]);
+    let output = place.run(&["compare", "a.exr", "b.exr", "-o", "d.exr"]);
+    assert_eq!(output.status.code(), Some(0));
+    let file = exr::read(&place.path("d.exr")).unwrap();
+    assert_eq!(file.image("").unwrap().pixels, [[0.25; 3]; 6]);
+    assert_eq!(file.channel("FLIP").unwrap().len(), 6);
+    let same = place.run(&["compare", "a.exr", "a.exr", "-o", "d.exr"]);
+    assert!(String::from_utf8_lossy(&same.stdout).contains("FLIP            0.000000"));
+}

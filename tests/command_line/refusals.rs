@@ -22,6 +22,15 @@ fn bad_usage() {
         (&["--spp", "some"], "--spp"),
         (&["--spp", "4", "--time", "1"], "cannot be used with"),
         (&["--time", "0"], "seconds"),
+        (&["--target-error", "0"], "2% or 0.02"),
+        (&["--target-error", "200%"], "2% or 0.02"),
+        (&["--target-error", "small"], "2% or 0.02"),
+        (&["--target-error", "5%", "--groups", "1", "--size", "8x8"], "two groups"),
+        (&["--groups", "0"], "--groups"),
+        (&["--groups", "9"], "--groups"),
+        (&["--reference", "a.exr"], "--log"),
+        (&["--log", "no/folder/a.csv"], "no folder"),
+        (&["--log", "a.csv", "--reference", "absent.exr"], "absent.exr"),
         (&["--time", "nan"], "seconds"),
         (&["--seed", "-1"], "-1"),
         (&["--max-depth", "0"], "--max-depth"),
@@ -173,4 +182,42 @@ fn a_window_for_what_cannot_be_rendered() {
         let output = place.command(&[&["view"], flags].concat()).env("DISPLAY", ":9876").output().unwrap();
         check_failure(&output, 2, words);
     }
+}
+
+#[test]
+fn images_that_cannot_be_compared() {
+    use emlt::film::{Channel, Image, exr};
+    let place = Place::new();
+    let write = |name: &str, width: u32, value: f32| {
+        let image = Image { width, height: 2, pixels: vec![[value; 3]; 2 * width as usize] };
+        exr::write(
+            &place.path(name),
+            &image,
+            &[Channel { name: "A".into(), values: vec![1.0; 2 * width as usize] }],
+            &[],
+        )
+        .unwrap();
+    };
+    write("a.exr", 2, 1.0);
+    write("wide.exr", 3, 1.0);
+    write("black.exr", 2, 0.0);
+    fs::write(place.path("text.exr"), "not an image").unwrap();
+    let before = place.files();
+    for (arguments, words) in [
+        (&["a.exr", "wide.exr"][..], "2x2 and 3x2"),
+        (&["a.exr", "black.exr"], "black"),
+        (&["a.exr", "text.exr"], "text.exr"),
+        (&["absent.exr", "a.exr"], "absent.exr"),
+        (&["a.exr"], "B.exr"),
+        (&["a.exr", "a.exr", "-o", "d.png"], ".exr"),
+        (&["a.exr", "a.exr", "-o", "no/d.exr"], "no folder"),
+        (&["..", "a.exr"], ".exr"),
+    ] {
+        place.refuses(&[&["compare"], arguments].concat(), 2, words);
+    }
+    for reference in ["wide.exr", "black.exr", "text.exr"] {
+        let arguments = ["render", "scene.gltf", "--size", "2x2", "--log", "a.csv", "--reference", reference];
+        place.refuses(&arguments, 2, "");
+    }
+    assert_eq!(place.files(), before);
 }

@@ -2,9 +2,9 @@
 
 use emlt::film::Image;
 use emlt::reference::rng;
+use emlt::report::student::two_sided;
 
 use super::comparison::{Comparison, Truth};
-use super::student::two_sided;
 
 /// As many replicates as Metropolis renders have.
 const REPLICATES: u32 = 12;

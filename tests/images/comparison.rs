@@ -7,9 +7,9 @@
 //! The bins are not independent and need not be: the limit is Bonferroni's.
 
 use emlt::film::Image;
+use emlt::report::student::{critical, two_sided};
 
 use super::renders::changed;
-use super::student::{critical, two_sided};
 use super::tiles::{Bin, Scale, bins};
 
 /// Probability that one comparison raises a false alarm.

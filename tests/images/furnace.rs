@@ -4,6 +4,7 @@
 //! pixel is e (1 - rho^k) / (1 - rho) (METHOD.md 4.5, F1).
 
 use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, CANDIDATE_PASS, CANDIDATES, Mean, Start};
+use emlt::ensemble::groups::Groups;
 use emlt::ensemble::strategies::Strategies;
 use emlt::ensemble::sweep::list_words;
 use emlt::film::Image;
@@ -12,20 +13,20 @@ use emlt::gpu::layout::chain_rows;
 use emlt::gpu::run::{Run, Sizes};
 use emlt::gpu::scene::SceneData;
 use emlt::methods::{Direct, Method, Settings};
+use emlt::report::student::two_sided;
 use emlt::scene::Features;
 
 use super::comparison::{self, LEVEL, Power, Truth};
 use super::renders::{changed, render, scene, settings};
-use super::student::two_sided;
 
-const SCENE: &str = "tests/scenes/furnace.glb";
+pub(super) const SCENE: &str = "tests/scenes/furnace.glb";
 const EMISSION: [f64; 3] = [0.5, 1.0, 0.25];
 const ALBEDO: [f64; 3] = [0.6, 0.5, 0.3];
 const LONGEST: u32 = 12;
 const FILM: [u32; 2] = [16, 12];
 
 /// Radiance everywhere with at most `edges` edges.
-fn radiance(edges: u32) -> [f64; 3] {
+pub(super) fn radiance(edges: u32) -> [f64; 3] {
     [0, 1, 2].map(|c| EMISSION[c] * (1.0 - ALBEDO[c].powi(edges as i32)) / (1.0 - ALBEDO[c]))
 }
 
@@ -92,7 +93,7 @@ fn furnace_by_path_length() {
         two_stage: None,
         candidates: CANDIDATES,
         seed: 1,
-        paths,
+        groups: Groups::new(paths, 1),
         stride: paths,
         film: FILM,
     };

@@ -6,11 +6,11 @@ use emlt::film::Image;
 use emlt::kernels::{caustic, guided_bidirectional, guided_lens, independence, lens, multi_chain};
 use emlt::methods::Method::Emlt;
 use emlt::methods::Settings;
+use emlt::report::student::two_sided;
 
 use super::comparison::LEVEL;
 use super::mitsuba::COLOURED_BOX;
 use super::renders::{changed, replicates, scene, settings};
-use super::student::two_sided;
 use super::tiles::bins;
 
 /// Renders of each choice.

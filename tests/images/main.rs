@@ -6,16 +6,17 @@
 
 mod calibration;
 mod comparison;
+mod coverage;
 mod crossover;
 mod furnace;
 mod glass_furnace;
+mod groups;
 mod invariance;
 mod mitsuba;
 mod options;
 mod renders;
 mod repetition;
 mod sphere;
-mod student;
 mod threshold;
 mod tiles;
 mod types;

@@ -14,12 +14,12 @@ use glam::{DVec3, Vec3};
 use super::comparison::{self, Power, Truth};
 use super::renders::{replicates, scene, settings};
 
-const SCENE: &str = "tests/scenes/sphere_over_plane.glb";
+pub(super) const SCENE: &str = "tests/scenes/sphere_over_plane.glb";
 const RADIANCE: [f64; 3] = [10.0, 8.0, 5.0];
 const ALBEDO: [f64; 3] = [0.8, 0.5, 0.25];
 const CENTRE: DVec3 = DVec3::Y;
 const RADIUS: f64 = 0.2;
-const FILM: [u32; 2] = [32, 24];
+pub(super) const FILM: [u32; 2] = [32, 24];
 /// Midpoints on a side of a pixel for its mean.
 const GRID: u32 = 4;
 
@@ -57,7 +57,7 @@ fn facets(scene: &Scene, point: DVec3) -> f64 {
     sum
 }
 
-fn truth(scene: &Scene) -> Image {
+pub(super) fn truth(scene: &Scene) -> Image {
     let mut pixels = Vec::new();
     for (y, x) in (0..FILM[1]).flat_map(|y| (0..FILM[0]).map(move |x| (y, x))) {
         let step = |pixel: u32, i: u32| f64::from(pixel) + (f64::from(i) + 0.5) / f64::from(GRID);

@@ -1,6 +1,7 @@
 //! The roughness below which lobes are treated as specular (METHOD.md 2.7) is a matter of noise: results are the same.
 
 use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, CANDIDATE_PASS, CANDIDATES, Mean, Start};
+use emlt::ensemble::groups::Groups;
 use emlt::ensemble::strategies::Strategies;
 use emlt::ensemble::sweep::list_words;
 use emlt::film::Image;
@@ -10,12 +11,12 @@ use emlt::gpu::run::{Run, Sizes};
 use emlt::gpu::scene::SceneData;
 use emlt::methods::Method::{self, Emlt, Mlt, Pt};
 use emlt::methods::Settings;
+use emlt::report::student::two_sided;
 use emlt::scene::Features;
 use emlt::scene::material::GLOSSY_AS_SPECULAR_ALPHA;
 
 use super::comparison::{LEVEL, Power, Truth, check};
 use super::renders::{render, replicates, scene, settings};
-use super::student::two_sided;
 
 /// Metal and glass of alpha 0.05 and 0.2.
 const SCENE: &str = "tests/scenes/glossy_box.glb";
@@ -77,7 +78,7 @@ fn b_does_not_depend_on_the_threshold() {
                 min_edges: 1,
                 max_edges: longest,
                 seed,
-                paths,
+                groups: Groups::new(paths, 1),
                 stride: paths,
                 film: FILM,
                 two_stage: None,

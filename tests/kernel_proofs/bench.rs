@@ -4,6 +4,7 @@ use std::path::Path;
 
 use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, Bootstrap, CANDIDATES, Candidate, Start};
 use emlt::ensemble::cuts::CutList;
+use emlt::ensemble::groups::Groups;
 use emlt::ensemble::guidance::Guidance;
 use emlt::ensemble::pool::{Pool, TypeKey};
 use emlt::ensemble::sweep::list_words;
@@ -116,7 +117,7 @@ impl<'a> Bench<'a> {
         let list = moving.dispatch_list(|key| (kernel.applies)(key, features), guides);
         let mut words: Vec<u32> = list.entries.iter().flatten().copied().collect();
         let nodes_offset = words.len() as u32;
-        words.extend(list.nodes.iter().flatten());
+        words.extend(list.nodes.iter().flat_map(|[offset, count]| [*offset, *count, (-8f32).to_bits()]));
         // Guides are read from their rows in the pool's order, which the pass `gather` makes.
         let guides_first = guides.order.iter().copied().min().unwrap_or(0);
         let order: Vec<u32> = guides.order.iter().flat_map(|&path| [path, 0]).collect();
@@ -129,7 +130,7 @@ impl<'a> Bench<'a> {
             nodes_offset,
             guides_first,
             origins: PATHS,
-            similarity_median: -8.0,
+            group_paths: COLUMNS,
             ..Guidance::default().of_run(PassUniform::default())
         };
         (uniform, list.entries.iter().map(|e| e[0]).collect())
@@ -139,13 +140,20 @@ impl<'a> Bench<'a> {
     pub fn cut_list(&mut self, count: u32, pass_index: u32) -> (PassUniform, CutList) {
         let moving = self.pool(0, count);
         let random = |path, dimension| rng::random_words(SEED, path, pass_index, dimension);
-        let list = CutList::draw(&moving, &self.guides, HALF, random, 1..=MAX_EDGES);
+        let list = CutList::draw([(&moving, &self.guides, HALF)], random, 1..=MAX_EDGES);
         self.run.set_lists(&list.words);
         (self.cut_uniform(list.entries.len()), list)
     }
 
     pub fn cut_uniform(&self, entries: usize) -> PassUniform {
-        PassUniform { seed: SEED, stride: COLUMNS, origins: PATHS, entries: entries as u32, ..Default::default() }
+        PassUniform {
+            seed: SEED,
+            stride: COLUMNS,
+            group_paths: COLUMNS,
+            origins: PATHS,
+            entries: entries as u32,
+            ..Default::default()
+        }
     }
 
     /// Publishes the second half as guides.
@@ -223,7 +231,7 @@ fn start(features: Features, seed: u32) -> Start {
         two_stage: None,
         candidates: CANDIDATES,
         seed,
-        paths: PATHS,
+        groups: Groups::new(PATHS, 1),
         stride: COLUMNS,
         film: FILM,
     }

@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use emlt::ensemble::crossings::{Pair, PairList, crossings, log_cut};
+use emlt::ensemble::crossings::{Pair, PairList, Partners, crossings, log_cut};
 use emlt::ensemble::pool::{Pool, TypeKey};
 use emlt::gpu::layout::{PassUniform, ROW_KEY, ROW_PIXEL, ROW_VERTICES};
 use emlt::gpu::run::Dispatch;
@@ -17,7 +17,7 @@ use crate::{GLOSSY, SCENE, SPECULAR_SCENE, WEIGH, Z_LIMIT};
 fn pair_list(bench: &mut Bench, count: u32, pass_index: u32, shift: u32) -> PairList {
     let [x, v] = [0, count].map(|first| Pool::build(&bench.keys(first, count), first));
     let random = |path, dimension| rng::random_words(SEED, path, pass_index, dimension);
-    PairList::draw([&x, &v], [0, count], shift, random, 1..=MAX_EDGES)
+    PairList::draw([Partners { halves: [&x, &v], first: [0, count], shift }], random, 1..=MAX_EDGES)
 }
 
 /// Evaluates `pairs` and decides on them with further flags.
@@ -27,7 +27,14 @@ fn cross(bench: &mut Bench, pairs: &[Pair], flags: &[&'static str], pass_index: 
     let count = pairs.len() as u32;
     let dispatch = |pass, flags, entries| Dispatch {
         variant: Variant { pass, features: bench.features, max_edges: MAX_EDGES, flags },
-        uniform: PassUniform { seed: SEED, stride: COLUMNS, pass_index, entries, ..Default::default() },
+        uniform: PassUniform {
+            seed: SEED,
+            stride: COLUMNS,
+            group_paths: COLUMNS,
+            pass_index,
+            entries,
+            ..Default::default()
+        },
     };
     let dispatches = [dispatch("crossover", vec![], 2 * count), dispatch("exchange", flags.to_vec(), count)];
     bench.run.submit(&dispatches).unwrap();

@@ -7,9 +7,6 @@ mod comparison;
 #[path = "../images/renders.rs"]
 #[allow(dead_code)]
 mod renders;
-#[path = "../images/student.rs"]
-#[allow(dead_code)]
-mod student;
 #[path = "../images/tiles.rs"]
 mod tiles;
 

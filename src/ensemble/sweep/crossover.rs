@@ -2,12 +2,13 @@
 
 use super::Ensemble;
 use crate::Result;
-use crate::ensemble::crossings::PairList;
+use crate::ensemble::crossings::{PairList, Partners};
 use crate::gpu::layout::{COUNTER_WORDS, PassUniform};
 use crate::gpu::run::{Dispatch, Run};
 use crate::reference::rng;
 
-/// Whose random numbers give the partners, and their dimension block: no path's.
+/// Whose random numbers give the partners (of the first group; the others' follow below), and their dimension block: no
+/// path's.
 const PARTNERS: (u32, u32) = (u32::MAX, 0xfffd);
 
 impl Ensemble {
@@ -15,13 +16,12 @@ impl Ensemble {
     /// The caller takes the pool of `half` again.
     pub(super) fn crossover(&mut self, run: &mut Run, half: usize, kernel: usize) -> Result<()> {
         let random = |path, dimension| rng::random_words(self.build.seed, path, self.pass_index, dimension);
-        let list = PairList::draw(
-            [half, 1 - half].map(|h| &self.halves[h].pool),
-            [half, 1 - half].map(|h| self.first_path(h)),
-            random(PARTNERS.0, PARTNERS.1)[0],
-            random,
-            self.build.min_edges..=self.build.max_edges,
-        );
+        let groups = (0..self.build.groups.count()).map(|group| Partners {
+            halves: [half, 1 - half].map(|h| &self.halves[h][group as usize].pool),
+            first: [half, 1 - half].map(|h| self.build.groups.first(h, group)),
+            shift: random(PARTNERS.0 - group, PARTNERS.1)[0],
+        });
+        let list = PairList::draw(groups, random, self.build.min_edges..=self.build.max_edges);
         run.set_lists(&list.words);
         let pairs = list.pairs.len() as u32;
         let base = PassUniform {
@@ -40,11 +40,11 @@ impl Ensemble {
             .map(|(pass, uniform)| Dispatch { variant: self.build.variant(pass, &[]), uniform })
             .collect();
         // A mutation of either path; without a crossing, one that fails at once.
-        self.tallies[kernel].mutations += 2 * u64::from(self.half_paths());
+        self.tallies[kernel].mutations += 2 * u64::from(self.build.groups.half_paths());
         self.pass_index += 1;
         run.submit(&dispatches)?;
         let rows = self.read_key_rows(run, 1 - half)?;
-        self.halves[1 - half].pool = self.pool_of(&rows, 1 - half)?;
+        self.halves[1 - half] = self.groups_of(&rows, 1 - half)?;
         self.freeze(run, 1 - half)
     }
 }

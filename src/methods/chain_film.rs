@@ -1,0 +1,72 @@
+//! The film of chains on the device: what it takes, and how it is read.
+
+use super::{Outcome, Settings};
+use crate::ensemble::groups::{Groups, MOST_GROUPS};
+use crate::film::{Channel, Image};
+use crate::gpu::context::Context;
+use crate::gpu::layout::FILM_SCALE;
+use crate::report::statistics::Statistics;
+use crate::scene::LUMINANCE;
+
+pub(super) fn pixels(settings: &Settings) -> u64 {
+    u64::from(settings.width) * u64::from(settings.height)
+}
+
+/// Bytes of the film's layer of one group on the device: a low and a high word for each pixel's R, G and B.
+pub(super) fn layer_bytes(settings: &Settings) -> u64 {
+    24 * pixels(settings)
+}
+
+/// Bytes of the film on the device: a layer a group, then the two maps where they are asked for.
+pub(super) fn film_bytes(settings: &Settings, groups: u32) -> u64 {
+    u64::from(groups) * layer_bytes(settings) + if settings.maps { 16 * pixels(settings) } else { 0 }
+}
+
+/// How many layers the device can bind; at least one, and whoever allocates it says where even that is too large.
+pub(super) fn layers_that_fit(context: &Context, settings: &Settings) -> u32 {
+    let limit = context.device.limits().max_storage_buffer_binding_size;
+    (1..=MOST_GROUPS).rev().find(|groups| film_bytes(settings, *groups) <= limit).unwrap_or(1)
+}
+
+/// What the user should know where there are fewer groups than asked for.
+pub(super) fn few_groups(settings: &Settings, groups: Groups) -> Option<String> {
+    let (count, wanted) = (groups.count(), settings.groups);
+    (count < wanted).then(|| {
+        let told = if count > 1 {
+            format!("the error is told by the scatter of {count} groups instead of {wanted}")
+        } else {
+            "no error is estimated".into()
+        };
+        format!("{told}: for more, choose a smaller --size, or an --ensemble that can be divided by {}", 2 * wanted)
+    })
+}
+
+/// The layers that were asked for, by pixel and map.
+pub(super) fn maps(settings: &Settings, value: impl Fn(usize, usize) -> f32) -> Vec<Channel> {
+    let pixels = settings.width as usize * settings.height as usize;
+    let layer = |(name, channel): (&str, usize)| Channel {
+        name: name.into(),
+        values: (0..pixels).map(|pixel| value(pixel, channel)).collect(),
+    };
+    let names = [("Maps.Horizontal", 0), ("Maps.Vertical", 1)];
+    names.into_iter().filter(|_| settings.maps).map(layer).collect()
+}
+
+/// What chains without any light to carry make.
+pub(super) fn black(settings: &Settings, statistics: Statistics) -> Outcome {
+    let Settings { width, height, .. } = *settings;
+    let image = Image { width, height, pixels: vec![[0.0; 3]; width as usize * height as usize] };
+    Outcome { image, channels: maps(settings, |_, _| 0.0), uncertainty: None, statistics }
+}
+
+/// Channels of pixels from the integer film as the shaders leave it: low and high word each.
+pub(super) fn channels_of<const N: usize>(bytes: &[u8]) -> Vec<[f64; N]> {
+    let (words, _) = bytes.as_chunks::<8>();
+    let value = |word: [u8; 8]| u64::from_le_bytes(word) as f64 / FILM_SCALE;
+    words.chunks_exact(N).map(|pixel| std::array::from_fn(|c| value(pixel[c]))).collect()
+}
+
+/// Total luminance over w: one per mutation if no weight is lost (METHOD.md 1.4, C12).
+pub(super) fn luminance(pixels: &[[f64; 3]], weights: &[f64]) -> f64 {
+    pixels.iter().zip(weights).map(|(pixel, weight)| LUMINANCE.dot((*pixel).into()) / weight).sum()
+}
