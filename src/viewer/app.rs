@@ -11,7 +11,7 @@ use glam::Vec3;
 use super::canvas::{Hovered, Placement};
 use super::messages::{Command, Event, Job, Opened};
 use super::orbit::Orbit;
-use super::slot::{Overlay, Slot};
+use super::slot::{ErrorMap, Overlay, Slot};
 use super::tone::Tone;
 use super::watch::{self, Watch};
 use crate::film::Image;
@@ -49,7 +49,7 @@ pub struct Viewer {
     pub(super) show_maps: bool,
     /// Share of the maps in what is seen.
     pub(super) maps_share: f32,
-    pub(super) show_error: bool,
+    pub(super) show_error: Option<ErrorMap>,
     pub(super) reference: Option<Arc<Image>>,
     pub(super) hovered: Option<Hovered>,
     pub(super) note: Option<Note>,
@@ -103,7 +103,7 @@ impl Viewer {
             parts: (Rect::ZERO, Vec2::splat(1.0)),
             show_maps: false,
             maps_share: 0.6,
-            show_error: false,
+            show_error: None,
             reference: None,
             hovered: None,
             note: None,

@@ -4,7 +4,7 @@ use eframe::egui::{self, Align2, Color32, FontId, PointerButton, Pos2, Rect, Sen
 
 use super::app::Viewer;
 use super::screen::Screen;
-use super::slot::heat;
+use super::slot::{ErrorMap, heat};
 use crate::film::png::direction_color;
 use crate::methods::Stage;
 
@@ -171,7 +171,12 @@ impl Viewer {
         if overlay.maps > 0.0 && of.picture.maps.is_some() {
             directions_legend(painter, part.right_bottom() + Vec2::new(-10.0, -10.0));
         }
-        if overlay.error && self.comparable() {
+        let shown = match overlay.error {
+            Some(ErrorMap::Reference) => self.comparable(),
+            Some(ErrorMap::Own) => of.picture.own.is_some(),
+            None => false,
+        };
+        if shown {
             heat_legend(painter, part.right_bottom() + Vec2::new(-10.0, -10.0));
         }
         if overlay.reference && self.comparable() {

@@ -1,7 +1,7 @@
-//! The error against the reference over the time of rendering.
+//! The error over the time of rendering: as the image tells it, and against the reference.
 
 use eframe::egui::{Color32, Ui};
-use egui_plot::{Legend, Line, Plot, PlotPoints};
+use egui_plot::{Legend, Line, LineStyle, Plot, PlotPoints};
 
 use super::app::Viewer;
 
@@ -11,21 +11,27 @@ const COLORS: [Color32; 2] = [Color32::from_rgb(255, 176, 66), Color32::from_rgb
 impl Viewer {
     pub(super) fn error_curve(&self, ui: &mut Ui) {
         if self.reference.is_none() {
-            ui.weak("Drop a reference (.exr) into the window, or start with --reference REF.exr.");
-            return;
-        }
-        if !self.comparable() {
+            ui.weak("Drop a reference (.exr) into the window, or start with --reference REF.exr, to compare with it.");
+        } else if !self.comparable() {
             ui.weak("The reference has another size than the image.");
-            return;
         }
-        let lines = self.slots.iter().zip(COLORS).map(|(slot, color)| {
-            // Both axes are logarithmic: the error of independent samples falls along a straight line then.
-            let log = |x: f64| x.max(1e-12).log10();
-            let points = slot.errors.iter().filter(|e| e.rel_mse > 0.0 && e.rel_mse.is_finite());
-            let points: Vec<[f64; 2]> = points.map(|e| [log(e.seconds), log(e.rel_mse)]).collect();
-            Line::new(slot.settings.method.name(), PlotPoints::from(points)).color(color).width(2.0)
-        });
-        let lines: Vec<Line> = lines.collect();
+        // Both axes are logarithmic: the error of independent samples falls along a straight line then.
+        let log = |x: f64| x.max(1e-12).log10();
+        let line = |name: String, color: Color32, points: &mut dyn Iterator<Item = [f64; 2]>| {
+            let seen = points.filter(|[_, error]| *error > 0.0 && error.is_finite());
+            let points: Vec<[f64; 2]> = seen.map(|point| point.map(log)).collect();
+            Line::new(name, PlotPoints::from(points)).color(color).width(2.0)
+        };
+        let mut lines: Vec<Line> = Vec::new();
+        for (slot, color) in self.slots.iter().zip(COLORS) {
+            let name = slot.settings.method.name();
+            let own = line(format!("{name}, by itself"), color, &mut slot.own_errors.iter().copied());
+            lines.push(own.style(LineStyle::dashed_loose()).width(1.5));
+            if self.comparable() {
+                let measured = slot.errors.iter().map(|e| [e.seconds, e.rel_mse]);
+                lines.push(line(name.into(), color, &mut { measured }));
+            }
+        }
         let power =
             |x: f64| if (0.01..10_000.0).contains(&10f64.powf(x)) { plain(10f64.powf(x)) } else { format!("1e{x:.0}") };
         Plot::new("error")

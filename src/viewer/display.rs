@@ -6,6 +6,7 @@ use eframe::egui::{
 
 use super::app::Viewer;
 use super::canvas::Placement;
+use super::slot::ErrorMap;
 use super::tone::{Curve, Tone};
 use crate::methods::Method;
 
@@ -49,8 +50,15 @@ impl Viewer {
                 }
                 ui.separator();
                 ui.toggle_value(&mut self.show_maps, "Maps").on_hover_text("mutation-direction maps (M)");
+                let mut error_map = |of: ErrorMap, name: &str, tip: &str| {
+                    let shown = self.show_error == Some(of);
+                    if ui.add(Button::selectable(shown, name)).on_hover_text(tip).clicked() {
+                        self.show_error = (!shown).then_some(of);
+                    }
+                };
+                error_map(ErrorMap::Own, "Own error", "relative error as the image tells it (W)");
                 if self.reference.is_some() {
-                    ui.toggle_value(&mut self.show_error, "Error").on_hover_text("relative error (D)");
+                    error_map(ErrorMap::Reference, "Error", "relative error against the reference (D)");
                 }
                 ui.separator();
                 ui.toggle_value(&mut self.panels, "Panels").on_hover_text("Ctrl+B");

@@ -4,6 +4,7 @@ use eframe::egui::{self, Key, Modifiers, ViewportCommand};
 
 use super::app::Viewer;
 use super::canvas::Placement;
+use super::slot::ErrorMap;
 use super::tone::{Curve, Tone};
 use crate::methods::Method;
 
@@ -23,6 +24,7 @@ pub const HELP: &[(&str, &[(&str, &str)])] = &[
             ("drag, H J K L", "move the image; a double click fits it"),
             ("M", "mutation-direction maps"),
             ("D", "relative error against the reference"),
+            ("W", "relative error as the image tells it of itself"),
             ("Shift (held)", "the reference"),
         ],
     ),
@@ -99,8 +101,10 @@ impl Viewer {
         if pressed(plain, Key::M) {
             self.show_maps = !self.show_maps;
         }
-        if pressed(plain, Key::D) {
-            self.show_error = !self.show_error;
+        for (key, map) in [(Key::D, ErrorMap::Reference), (Key::W, ErrorMap::Own)] {
+            if pressed(plain, key) {
+                self.show_error = if self.show_error == Some(map) { None } else { Some(map) };
+            }
         }
         if pressed(plain, Key::Home) {
             self.camera_home();

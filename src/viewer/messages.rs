@@ -89,10 +89,21 @@ pub struct Picture {
     /// Horizontal and vertical motion by pixel (mlt, emlt).
     pub maps: Option<Arc<[Vec<f32>; 2]>>,
     pub statistics: Statistics,
-    /// Typical relative error of a pixel, where the method tells it of itself (pt).
-    pub own_error: Option<f64>,
+    /// What the image tells of its own error; newer now and then.
+    pub own: Option<Arc<OwnError>>,
     /// A quick small image by the path tracer, until the method has one.
     pub preview: bool,
+}
+
+/// A picture's error as it estimates it itself.
+#[derive(Debug, Clone)]
+pub struct OwnError {
+    /// Of rendering, when it was told.
+    pub seconds: f64,
+    /// Of a pixel, relative: the root of the relMSE that is to be expected.
+    pub relative: f64,
+    /// Standard error of every pixel.
+    pub pixels: Image,
 }
 
 /// One measurement of a picture's error.

@@ -14,13 +14,22 @@ use crate::methods::{Settings, Stage};
 /// Counts the colours made by all slots.
 static MADE: AtomicU64 = AtomicU64::new(1);
 
+/// Which error is shown in false colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorMap {
+    /// That against the reference.
+    Reference,
+    /// The standard error that the image tells of itself.
+    Own,
+}
+
 /// What is laid over the picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Overlay {
     /// Share of the mutation-direction maps in what is seen, in [0, 1].
     pub maps: f32,
-    /// The relative error against the reference in false colours, instead of the picture.
-    pub error: bool,
+    /// A relative error in false colours, instead of the picture.
+    pub error: Option<ErrorMap>,
     /// The reference instead of the picture.
     pub reference: bool,
 }
@@ -34,6 +43,8 @@ pub struct Slot {
     pub progress: Option<(Stage, f64)>,
     /// Errors against the reference, in order of time.
     pub errors: Vec<ErrorPoint>,
+    /// The image's own estimates of its error: seconds and the relMSE to be expected.
+    pub own_errors: Vec<[f64; 2]>,
     colors: Arc<ColorImage>,
     /// A number that no other colours have.
     version: u64,
@@ -44,8 +55,8 @@ pub struct Slot {
 impl Slot {
     pub fn new(settings: Settings) -> Self {
         let (picture, progress) = (Picture::default(), None);
-        let (errors, colors) = (Vec::new(), Arc::default());
-        Self { settings, picture, progress, errors, colors, version: 0, made_with: None }
+        let (errors, own_errors, colors) = (Vec::new(), Vec::new(), Arc::default());
+        Self { settings, picture, progress, errors, own_errors, colors, version: 0, made_with: None }
     }
 
     /// A new job begins: the last picture stays on the screen until there is another.
@@ -53,6 +64,7 @@ impl Slot {
         self.settings = settings;
         self.progress = None;
         self.errors.clear();
+        self.own_errors.clear();
     }
 
     /// The reference is another one: what was measured and shown with it is no more.
@@ -68,6 +80,11 @@ impl Slot {
         }
         self.picture = picture;
         self.errors.extend(error);
+        if let Some(own) = &self.picture.own
+            && self.own_errors.last().is_none_or(|[seconds, _]| own.seconds > *seconds)
+        {
+            self.own_errors.push([own.seconds, own.relative * own.relative]);
+        }
         self.made_with = None;
     }
 
@@ -82,7 +99,7 @@ impl Slot {
     ) -> Option<(Arc<ColorImage>, u64)> {
         let image = self.picture.image.as_ref()?;
         if self.made_with.as_ref().is_none_or(|(t, o)| *t != tone || o != overlay) {
-            let colors = develop(image, self.picture.maps.as_deref(), tone, overlay, reference);
+            let colors = develop(image, &self.picture, tone, overlay, reference);
             self.colors = Arc::new(shrunk(colors, max_side));
             self.version = MADE.fetch_add(1, Ordering::Relaxed);
             self.made_with = Some((tone, overlay.clone()));
@@ -92,21 +109,20 @@ impl Slot {
 }
 
 /// The colours on the screen, pixel by pixel.
-fn develop(
-    image: &Image,
-    maps: Option<&[Vec<f32>; 2]>,
-    tone: Tone,
-    overlay: &Overlay,
-    reference: Option<&Image>,
-) -> ColorImage {
+fn develop(image: &Image, picture: &Picture, tone: Tone, overlay: &Overlay, reference: Option<&Image>) -> ColorImage {
     let table = tone.table();
     let reference = reference.filter(|r| (r.width, r.height) == (image.width, image.height));
     let shown = if overlay.reference { reference.unwrap_or(image) } else { image };
-    let mut colors: Vec<Color32> = match reference.filter(|_| overlay.error && !overlay.reference) {
-        Some(reference) => image.pixels.iter().zip(&reference.pixels).map(|(a, r)| error_color(*a, *r)).collect(),
-        None => shown.pixels.iter().map(|pixel| table.color(*pixel)).collect(),
+    let own = picture.own.as_deref().map(|own| &own.pixels).filter(|e| e.pixels.len() == image.pixels.len());
+    let pairs = image.pixels.iter();
+    let mut colors: Vec<Color32> = match (overlay.error.filter(|_| !overlay.reference), reference, own) {
+        (Some(ErrorMap::Reference), Some(reference), _) => {
+            pairs.zip(&reference.pixels).map(|(a, r)| error_color([0, 1, 2].map(|c| a[c] - r[c]), *r)).collect()
+        }
+        (Some(ErrorMap::Own), _, Some(own)) => pairs.zip(&own.pixels).map(|(a, e)| error_color(*e, *a)).collect(),
+        _ => shown.pixels.iter().map(|pixel| table.color(*pixel)).collect(),
     };
-    if let Some([horizontal, vertical]) = maps.filter(|_| overlay.maps > 0.0) {
+    if let Some([horizontal, vertical]) = picture.maps.as_deref().filter(|_| overlay.maps > 0.0) {
         for ((color, h), v) in colors.iter_mut().zip(horizontal).zip(vertical) {
             let [r, g, b] = direction_color(*h, *v);
             *color = color.lerp_to_gamma(Color32::from_rgb(r, g, b), overlay.maps);
@@ -115,10 +131,10 @@ fn develop(
     ColorImage::new([image.width as usize, image.height as usize], colors)
 }
 
-/// The colour of a relative error: [`heat`] of the difference over the reference, floored at a hundredth of white.
-fn error_color(a: [f32; 3], r: [f32; 3]) -> Color32 {
-    let sum = |f: &dyn Fn(usize) -> f32| (0..3).map(f).sum::<f32>();
-    heat(sum(&|c| (a[c] - r[c]).abs()) / (sum(&|c| r[c].abs()) + 0.03))
+/// The colour of an error beside a value: [`heat`] of their ratio, floored at a hundredth of white.
+fn error_color(error: [f32; 3], value: [f32; 3]) -> Color32 {
+    let sum = |v: [f32; 3]| v.iter().map(|v| v.abs()).sum::<f32>();
+    heat(sum(error) / (sum(value) + 0.03))
 }
 
 /// From black (no error) over purple and orange to pale yellow (an error of 100 % and more).
@@ -148,6 +164,7 @@ fn shrunk(colors: ColorImage, max_side: usize) -> ColorImage {
 
 #[cfg(test)]
 mod tests {
+    use super::super::messages::OwnError;
     use super::*;
 
     fn image(pixels: &[[f32; 3]]) -> Image {
@@ -156,9 +173,9 @@ mod tests {
 
     #[test]
     fn maps_are_blended_over_the_picture() {
-        let overlay = |maps| Overlay { maps, error: false, reference: false };
-        let maps = [vec![1.0], vec![0.0]];
-        let color = |share| develop(&image(&[[1.0; 3]]), Some(&maps), Tone::default(), &overlay(share), None).pixels[0];
+        let overlay = |maps| Overlay { maps, error: None, reference: false };
+        let picture = Picture { maps: Some(Arc::new([vec![1.0], vec![0.0]])), ..Picture::default() };
+        let color = |share| develop(&image(&[[1.0; 3]]), &picture, Tone::default(), &overlay(share), None).pixels[0];
         assert_eq!(color(0.0), Color32::WHITE);
         assert_eq!(color(1.0), Color32::RED);
         assert_eq!(color(0.5), Color32::from_rgb(255, 128, 128));
@@ -166,14 +183,26 @@ mod tests {
 
     #[test]
     fn errors_are_hot_and_agreement_is_black() {
-        let overlay = Overlay { maps: 0.0, error: true, reference: false };
+        let overlay = Overlay { maps: 0.0, error: Some(ErrorMap::Reference), reference: false };
+        let picture = Picture::default();
         let (a, r) = (image(&[[1.0; 3], [2.0; 3]]), image(&[[1.0; 3], [1.0; 3]]));
-        let colors = develop(&a, None, Tone::default(), &overlay, Some(&r)).pixels;
+        let colors = develop(&a, &picture, Tone::default(), &overlay, Some(&r)).pixels;
         assert_eq!(colors[0], heat(0.0));
         assert_eq!(colors[1], heat(0.99));
         // A reference of another size cannot be compared.
-        let colors = develop(&a, None, Tone::default(), &overlay, Some(&image(&[[1.0; 3]]))).pixels;
+        let colors = develop(&a, &picture, Tone::default(), &overlay, Some(&image(&[[1.0; 3]]))).pixels;
         assert_eq!(colors[0], Color32::WHITE);
+    }
+
+    #[test]
+    fn what_the_image_tells_of_itself_is_hot_too() {
+        let own = OwnError { seconds: 1.0, relative: 0.5, pixels: image(&[[0.0; 3], [1.98; 3]]) };
+        let picture = Picture { own: Some(Arc::new(own)), ..Picture::default() };
+        let overlay = Overlay { maps: 0.0, error: Some(ErrorMap::Own), reference: false };
+        let shown =
+            |picture| develop(&image(&[[1.0; 3], [1.97; 3]]), picture, Tone::default(), &overlay, None).pixels.clone();
+        assert_eq!(shown(&picture), [heat(0.0), heat(1.0)]);
+        assert_eq!(shown(&Picture::default())[0], Color32::WHITE, "not told yet");
     }
 
     #[test]

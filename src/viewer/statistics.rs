@@ -4,7 +4,6 @@ use eframe::egui::{Grid, Ui};
 
 use super::app::Viewer;
 use super::slot::Slot;
-use crate::film::Channel;
 use crate::kernels;
 use crate::methods::Method;
 use crate::report::summary::{grouped, million_per_second, peak_memory_bytes};
@@ -81,8 +80,8 @@ fn figures(ui: &mut Ui, number: usize, slot: &Slot) {
         if let Some((b, error)) = s.b {
             row("b", format!("{b:.5} \u{b1} {:.2} %", 100.0 * error / b));
         }
-        if let Some(error) = slot.picture.own_error {
-            row("own error", format!("{:.2} % of a pixel's value, typically", 100.0 * error));
+        if let Some(own) = &slot.picture.own {
+            row("own error", format!("{:.1} % a pixel, as the image tells it", 100.0 * own.relative));
         }
         if let Some(last) = slot.errors.last() {
             row("relMSE", format!("{:.4} a pixel, {:.4} of 4x4", last.rel_mse, last.rel_mse_blocks));
@@ -120,31 +119,4 @@ fn kernel_table(ui: &mut Ui, number: usize, slot: &Slot) {
             ui.end_row();
         }
     });
-}
-
-/// The typical relative error that path tracing's own scatter tells: root of the mean variance over the mean squared
-/// value. None where the layers say nothing.
-pub fn own_error(image: &crate::film::Image, channels: &[Channel]) -> Option<f64> {
-    let variance: Vec<&Channel> = channels.iter().filter(|c| c.name.starts_with("Variance.")).collect();
-    if variance.is_empty() {
-        return None;
-    }
-    let noise: f64 = variance.iter().flat_map(|c| &c.values).map(|v| f64::from(*v)).sum();
-    let light: f64 = image.pixels.iter().flatten().map(|v| f64::from(*v).powi(2)).sum();
-    (light > 0.0 && noise.is_finite()).then(|| (noise / light).sqrt())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::film::Image;
-
-    #[test]
-    fn the_own_error_is_relative() {
-        let image = Image { width: 1, height: 1, pixels: vec![[2.0; 3]] };
-        let channel = |name: &str| Channel { name: name.into(), values: vec![0.04] };
-        let channels = ["Variance.R", "Variance.G", "Variance.B"].map(channel);
-        assert!((own_error(&image, &channels).unwrap() - 0.1).abs() < 1e-6);
-        assert_eq!(own_error(&image, &[]), None);
-    }
 }

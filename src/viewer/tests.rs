@@ -10,6 +10,7 @@ use glam::{Affine3A, Vec3};
 
 use super::app::Viewer;
 use super::messages::{Command, ErrorPoint, Event, Job, Opened, Picture};
+use super::slot::ErrorMap;
 use super::tone::{Curve, Tone};
 use crate::film::Image;
 use crate::methods::{Method, Settings, Stage};
@@ -279,7 +280,7 @@ fn a_reference_gives_a_curve_unless_its_size_differs() {
         let picture = Box::new(window.viewer.slots[0].picture.clone());
         window.events.send(Event::Picture { slot: 0, picture, error: Some(error(seconds)) }).unwrap();
     }
-    window.viewer.show_error = true;
+    window.viewer.show_error = Some(ErrorMap::Reference);
     window.frame(vec![]);
     window.frame(vec![]);
     assert_eq!(window.viewer.slots[0].errors.len(), 3);

@@ -10,9 +10,9 @@ use std::sync::mpsc::{Receiver, TryRecvError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use super::messages::{Command, ErrorPoint, Event, Job, Opened, Outbox, Picture};
+use super::messages::{Command, ErrorPoint, Event, Job, Opened, Outbox, OwnError, Picture};
 use super::preview::Preview;
-use super::statistics::own_error;
+use crate::film::uncertainty::Uncertainty;
 use crate::film::{Image, exr, metrics};
 use crate::gpu::context::Context;
 use crate::gpu::shader::Sources;
@@ -29,6 +29,9 @@ const STEP: Duration = Duration::from_millis(40);
 /// Least time between pictures, and the largest share of time spent on making them.
 const BETWEEN_PICTURES: Duration = Duration::from_millis(150);
 const PICTURES_SHARE: f64 = 0.1;
+/// Least time between estimates of an image's own error, and the largest share of time spent on them.
+const BETWEEN_ESTIMATES: Duration = Duration::from_secs(1);
+const ESTIMATES_SHARE: f64 = 0.05;
 /// Least time between messages of progress.
 const BETWEEN_PROGRESS: Duration = Duration::from_millis(100);
 
@@ -61,6 +64,9 @@ struct Track<'a> {
     shown: Option<Instant>,
     /// What it took to show it last.
     showing: Duration,
+    own: Option<Arc<OwnError>>,
+    /// When its own error was told last, and how long that took.
+    told: Option<(Instant, Duration)>,
 }
 
 /// What a renderer needs to go on where another left off: all but what lives on the device.
@@ -290,7 +296,8 @@ impl<'a> Worker<'a> {
                 let prepared = loaded.prepared(&settings, &job.camera)?;
                 let session = Session::start(self.context, prepared, &settings)?;
                 let (spent, showing) = (Duration::ZERO, Duration::ZERO);
-                self.tracks.push(Track { settings, session, spent, shown: None, showing });
+                let track = Track { settings, session, spent, shown: None, showing, own: None, told: None };
+                self.tracks.push(track);
             }
         }
         if self.state.paused {
@@ -322,7 +329,17 @@ impl<'a> Worker<'a> {
     fn show(&mut self, slot: usize) -> Result<()> {
         let track = &mut self.tracks[slot];
         let start = Instant::now();
-        let Outcome { image, channels, statistics, .. } = track.session.glance()?;
+        let wait =
+            |(at, took): (Instant, Duration)| at.elapsed() > BETWEEN_ESTIMATES.max(took.div_f64(ESTIMATES_SHARE));
+        let tell = track.told.is_none_or(wait);
+        let outcome = if tell { track.session.snapshot()? } else { track.session.glance()? };
+        let Outcome { image, channels, uncertainty, statistics } = outcome;
+        if tell {
+            track.told = Some((Instant::now(), start.elapsed()));
+            let told =
+                |u: Uncertainty| OwnError { seconds: statistics.render_s, relative: u.relative, pixels: u.pixels };
+            track.own = uncertainty.map(told).map(Arc::new);
+        }
         let error = self.state.reference.as_ref().and_then(|reference| {
             // Of another size: that was said when it was loaded, or will be by the window.
             let errors = metrics::compare(&image, reference, None).ok()?;
@@ -331,9 +348,11 @@ impl<'a> Worker<'a> {
         });
         let layer = |name: &str| channels.iter().find(|c| c.name == name).map(|c| c.values.clone());
         let maps = layer("Maps.Horizontal").zip(layer("Maps.Vertical")).map(|(h, v)| Arc::new([h, v]));
-        let own_error = own_error(&image, &channels);
-        let picture = Picture { image: Some(Arc::new(image)), maps, statistics, own_error, preview: false };
-        track.showing = start.elapsed();
+        let own = track.own.clone();
+        let picture = Picture { image: Some(Arc::new(image)), maps, statistics, own, preview: false };
+        if !tell {
+            track.showing = start.elapsed();
+        }
         track.shown = Some(Instant::now());
         self.state.out.send(Event::Picture { slot, picture: Box::new(picture), error });
         Ok(())
