@@ -11,6 +11,9 @@ use crate::film::Image;
 use crate::film::png::direction_color;
 use crate::methods::{Settings, Stage};
 
+/// Of pixels whose error nothing tells.
+const UNKNOWN: Color32 = Color32::from_gray(90);
+
 /// Counts the colours made by all slots.
 static MADE: AtomicU64 = AtomicU64::new(1);
 
@@ -119,7 +122,11 @@ fn develop(image: &Image, picture: &Picture, tone: Tone, overlay: &Overlay, refe
         (Some(ErrorMap::Reference), Some(reference), _) => {
             pairs.zip(&reference.pixels).map(|(a, r)| error_color([0, 1, 2].map(|c| a[c] - r[c]), *r)).collect()
         }
-        (Some(ErrorMap::Own), _, Some(own)) => pairs.zip(&own.pixels).map(|(a, e)| error_color(*e, *a)).collect(),
+        (Some(ErrorMap::Own), _, Some(own)) => {
+            // Where no light has been seen yet, nothing is known of it either.
+            let color = |a: &[f32; 3], e: &[f32; 3]| if *e == [0.0; 3] { UNKNOWN } else { error_color(*e, *a) };
+            pairs.zip(&own.pixels).map(|(a, e)| color(a, e)).collect()
+        }
         _ => shown.pixels.iter().map(|pixel| table.color(*pixel)).collect(),
     };
     if let Some([horizontal, vertical]) = picture.maps.as_deref().filter(|_| overlay.maps > 0.0) {
@@ -201,7 +208,7 @@ mod tests {
         let overlay = Overlay { maps: 0.0, error: Some(ErrorMap::Own), reference: false };
         let shown =
             |picture| develop(&image(&[[1.0; 3], [1.97; 3]]), picture, Tone::default(), &overlay, None).pixels.clone();
-        assert_eq!(shown(&picture), [heat(0.0), heat(1.0)]);
+        assert_eq!(shown(&picture), [UNKNOWN, heat(0.99)]);
         assert_eq!(shown(&Picture::default())[0], Color32::WHITE, "not told yet");
     }
 
