@@ -37,7 +37,7 @@ pub(super) fn few_groups(settings: &Settings, groups: Groups) -> Option<String> 
         } else {
             "no error is estimated".into()
         };
-        format!("{told}: for more, choose a smaller --size, or an --ensemble that can be divided by {}", 2 * wanted)
+        format!("{told}: {wanted} groups need a smaller --size, or an --ensemble that can be divided by {}", 2 * wanted)
     })
 }
 

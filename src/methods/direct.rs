@@ -90,7 +90,11 @@ impl Part for Both<'_> {
     }
 
     fn samples(&self) -> u64 {
-        self.rest.as_ref().map_or(0, Part::samples)
+        // Where chains have nothing to carry, the path tracer's are all there are.
+        match self.rest.as_ref().map_or(0, Part::samples) {
+            0 => self.direct.samples(),
+            mutations => mutations,
+        }
     }
 
     fn advance(&mut self, limit: Option<Duration>) -> crate::Result<()> {

@@ -51,7 +51,7 @@ fn render_since(
             let mut outcome = session.snapshot()?;
             outcome.statistics.setup_s = setup_s;
             observer.look(&outcome)?;
-            goal.look(&outcome);
+            goal.look(session.samples(), &outcome);
         }
         let rendering = session.stage() == Stage::Rendering;
         observer.progress(session.share().max(if rendering { goal.share(session.samples()) } else { 0.0 }));
@@ -63,7 +63,8 @@ fn render_since(
     if observer.looks() {
         observer.look(&outcome)?;
     }
-    outcome.statistics.notes.extend(goal.missed(settings.method));
+    let note = goal.missed(outcome.statistics.error.map(|error| error.pixels), settings.method);
+    outcome.statistics.notes.extend(note);
     Ok(outcome)
 }
 
@@ -104,9 +105,9 @@ struct Goal {
 }
 
 impl Goal {
-    fn look(&mut self, outcome: &Outcome) {
+    fn look(&mut self, samples: u64, outcome: &Outcome) {
         if let (Some(target), Some(error)) = (self.target, outcome.statistics.error) {
-            self.last = Some((outcome.statistics.samples.max(outcome.statistics.direct_samples), error.pixels));
+            self.last = Some((samples, error.pixels));
             self.reached = error.pixels <= target;
         }
     }
@@ -121,15 +122,12 @@ impl Goal {
         }
     }
 
-    /// What to say where the render ended before.
-    fn missed(&self, method: Method) -> Option<String> {
-        let target = self.target.filter(|_| !self.reached)?;
-        let error = self.last.map_or("not known".into(), |(_, error)| percent(error));
+    /// What to say where the render ended before, with so much error.
+    fn missed(&self, error: Option<f64>, method: Method) -> Option<String> {
+        let target = self.target.filter(|target| error.is_none_or(|error| error > *target))?;
+        let error = error.map_or("not known".into(), percent);
         let more = if method == Method::Pt { "samples" } else { "mutations" };
-        Some(format!(
-            "the target error of {} was not reached: the last look found {error}; it takes more {more}",
-            percent(target)
-        ))
+        Some(format!("the target error of {} was not reached: it is {error}, and takes more {more}", percent(target)))
     }
 }
 
@@ -151,7 +149,9 @@ mod tests {
     fn the_share_of_the_way_follows_the_root() {
         let goal = Goal { target: Some(0.1), reached: false, last: Some((1000, 0.2)) };
         assert_eq!((goal.share(1000), goal.share(4000), goal.share(9000)), (0.25, 1.0, 1.0));
-        assert!(goal.missed(Method::Emlt).unwrap().contains("found 20.0 %"));
-        assert_eq!(Goal::default().missed(Method::Emlt), None);
+        assert!(goal.missed(Some(0.2), Method::Emlt).unwrap().contains("it is 20.0 %"));
+        assert!(goal.missed(None, Method::Pt).unwrap().contains("not known"));
+        assert_eq!(goal.missed(Some(0.1), Method::Emlt), None);
+        assert_eq!(Goal::default().missed(Some(0.2), Method::Emlt), None);
     }
 }

@@ -7,6 +7,7 @@ use super::chains::Chains;
 use super::direct::Both;
 use super::pt::PathTracer;
 use super::{Direct, Method, Outcome, Settings};
+use crate::film::uncertainty::Y;
 use crate::gpu::context::Context;
 use crate::gpu::scene::{GpuScene, SceneData};
 use crate::report::statistics::{ErrorStatistics, Statistics};
@@ -172,7 +173,9 @@ impl<'a> Session<'a> {
     fn outcome(&mut self, with_error: bool) -> crate::Result<Outcome> {
         let outcome = self.part.snapshot(with_error)?;
         let mut statistics = self.with_base(outcome.statistics);
-        statistics.error = outcome.uncertainty.as_ref().map(ErrorStatistics::new);
+        // A black image has not found its light yet, and knows nothing of its error.
+        let seen = outcome.uncertainty.as_ref().filter(|uncertainty| uncertainty.film[Y].mean > 0.0);
+        statistics.error = seen.map(ErrorStatistics::new);
         Ok(Outcome { statistics, ..outcome })
     }
 

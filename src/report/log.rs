@@ -34,7 +34,8 @@ impl ErrorLog {
     /// Adds a row; none where nothing was rendered since the last one.
     pub fn row(&mut self, outcome: &Outcome) -> Result<()> {
         let Outcome { image, statistics: s, .. } = outcome;
-        let samples = s.samples.max(s.direct_samples);
+        // Where all light is direct, there are no others.
+        let samples = if s.samples > 0 { s.samples } else { s.direct_samples };
         if self.samples.replace(samples) == Some(samples) {
             return Ok(());
         }
