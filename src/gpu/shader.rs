@@ -248,6 +248,8 @@ mod tests {
             Features { absorbing: true, ..Features::default() },
             Features { mixed: true, environment: true, ..Features::default() },
             Features { textured: true, blended: true, masked: true, ..Features::default() },
+            Features { coated: true, ..Features::default() },
+            Features { coated: true, textured: true, normal_mapped: true, blended: true, ..Features::default() },
         ];
         for (bits, textured) in (0..64u32).flat_map(|bits| textured.map(|textured| (bits, textured))) {
             if textured != Features::default() && ![0, 63].contains(&bits) {

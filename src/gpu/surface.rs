@@ -3,7 +3,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::layout::{EXTENDED_ROWS, MATERIAL_ROWS};
+use super::layout::{EXTENDED_ROWS, LAYERED_ROWS, MATERIAL_ROWS};
 use crate::scene::material::AlphaMode;
 use crate::scene::texture::{SRGB, Texture, Wrap};
 use crate::scene::{Features, Material, Scene};
@@ -23,7 +23,11 @@ pub fn encode_octahedral(n: Vec3) -> u32 {
 pub fn materials(scene: &Scene, features: Features, threshold: f32, lights: usize) -> (Vec<[u32; 4]>, Vec<[u32; 4]>) {
     let mut rows = Vec::new();
     let mut textures: Vec<[u32; 4]> = Vec::new();
-    let rows_each = if features.extended() { EXTENDED_ROWS } else { MATERIAL_ROWS };
+    let rows_each = match (features.layered(), features.extended()) {
+        (true, _) => LAYERED_ROWS,
+        (false, true) => EXTENDED_ROWS,
+        (false, false) => MATERIAL_ROWS,
+    };
     let first_texture = scene.materials.len() * rows_each + lights;
     let offsets = image_offsets(scene);
     // Row of a texture in the table; 0, which is a material's, for none.
@@ -51,6 +55,14 @@ pub fn materials(scene: &Scene, features: Features, threshold: f32, lights: usiz
             let sigma = material.absorption * scene.bounding_sphere().1;
             rows.push([sigma.x, sigma.y, sigma.z, 0.0].map(f32::to_bits));
         }
+        if features.layered() {
+            let normal = material.textures.coat_normal.as_ref();
+            let normal = normal.map_or(0, |(texture, scale)| row_of(Some(texture), *scale));
+            let [coat, coat_roughness] = material.textures.layer_slots().map(|texture| row_of(texture, 1.0));
+            rows.push([material.coat_factor(), coat_alpha(material, threshold), 0.0, 0.0].map(f32::to_bits));
+            rows.push([0, 0, 0, normal]);
+            rows.push([coat, coat_roughness, 0, 0]);
+        }
     }
     (rows, textures)
 }
@@ -73,6 +85,13 @@ fn pack_material(m: &Material, threshold: f32, extended: bool) -> [[u32; 4]; MAT
         [m.transmission, m.ior, thin, sides],
     ]
     .map(|row| row.map(f32::to_bits))
+}
+
+/// Alpha of the coat's lobe, negative where it is narrow; with a texture that of its factor.
+fn coat_alpha(m: &Material, threshold: f32) -> f32 {
+    let alpha = m.coat.roughness * m.coat.roughness;
+    let alpha = if m.coat.mapped_alpha.is_some() { alpha } else { m.coat_alpha() };
+    if m.coat_alpha() < threshold { -alpha } else { alpha }
 }
 
 /// Three rows as `lookup` in shaders/texture/lookup.wesl reads them: where the texels are, then the transform.

@@ -41,6 +41,8 @@ pub struct Features {
     pub blended: bool,
     /// Some solid glass absorbs light inside.
     pub absorbing: bool,
+    /// Some material has a clear coat.
+    pub coated: bool,
 }
 
 impl Features {
@@ -75,9 +77,16 @@ impl Features {
             features.glossy |= specular && !smooth;
             features.textured |= !material.is_plain();
             features.second_coordinates |= material.textures.all().any(|texture| texture.slot > 0);
-            features.normal_mapped |= material.textures.normal.is_some();
+            features.normal_mapped |= material.tangent_texture().is_some();
             features.vertex_colored |= material.vertex_colored;
             features.absorbing |= transmits && !material.thin && material.absorption != Vec3::ZERO;
+            if material.coat_factor() > 0.0 {
+                let narrow = material.coat_alpha() < threshold;
+                features.coated = true;
+                features.narrow |= narrow;
+                features.mirror |= narrow;
+                features.glossy |= !narrow;
+            }
             // An alpha that is the same everywhere is decided at import.
             features.masked |= matches!(material.alpha_mode, AlphaMode::Mask(_)) && !material.is_plain();
             if material.alpha_mode == AlphaMode::Blend {
@@ -93,11 +102,16 @@ impl Features {
 
     /// Whether materials have more than factors: rows of textures and coverage.
     pub fn extended(&self) -> bool {
-        self.textured || self.masked || self.blended || self.absorbing
+        self.textured || self.masked || self.blended || self.absorbing || self.layered()
+    }
+
+    /// Whether some material has a layer over it.
+    pub fn layered(&self) -> bool {
+        self.coated
     }
 
     /// Every flag with its name, as the shaders call it.
-    pub fn flags(&self) -> [(&'static str, bool); 17] {
+    pub fn flags(&self) -> [(&'static str, bool); 19] {
         [
             ("glossy", self.glossy),
             ("mirror", self.mirror),
@@ -115,6 +129,8 @@ impl Features {
             ("masked", self.masked),
             ("blended", self.blended),
             ("absorbing", self.absorbing),
+            ("coated", self.coated),
+            ("layered", self.layered()),
             ("extended", self.extended()),
         ]
     }

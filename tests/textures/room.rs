@@ -1,7 +1,7 @@
 //! A small room with every kind of texture, made by code.
 
 use emlt::scene::light::{Environment, Light, LightKind};
-use emlt::scene::material::{AlphaMode, Textures};
+use emlt::scene::material::{AlphaMode, Coat, Textures};
 use emlt::scene::texture::{IDENTITY, Image, Texture, Wrap};
 use emlt::scene::{Camera, Material, Scene};
 use glam::{Affine3A, Vec2, Vec3, Vec4, vec3};
@@ -106,6 +106,24 @@ pub fn lit_room() -> Scene {
     scene
 }
 
+/// The room with clear coats: smooth over the floor, uneven and bumpy over the walls and the lamp, and on a ball-like block
+/// of dark metal.
+pub fn coated_room() -> Scene {
+    let mut scene = room();
+    scene.name = "coated room".into();
+    let coat = |factor, roughness| Coat { factor, roughness, mapped_alpha: None };
+    scene.materials[0].coat = coat(1.0, 0.1);
+    scene.materials[1].coat = Coat { mapped_alpha: Some(0.2), ..coat(0.9, 0.8) };
+    scene.materials[1].textures.coat = Some(texture(0, false));
+    scene.materials[1].textures.coat_roughness = Some(texture(1, false));
+    scene.materials[1].textures.coat_normal = Some((texture(2, false), 0.3));
+    scene.materials[2].coat = coat(0.7, 0.6);
+    let dark = Material { name: "block".into(), base_color: vec3(0.2, 0.1, 0.3), roughness: 0.2, ..Material::default() };
+    scene.materials.push(Material { coat: coat(1.0, 0.25), ..dark });
+    block(&mut scene, vec3(-0.7, 0.05, -0.7), 0.6, 3);
+    scene
+}
+
 /// The room with a screen with holes, a veil and a block of tinted glass, in an uneven sky.
 pub fn veiled_room() -> Scene {
     let mut scene = lit_room();
@@ -135,15 +153,19 @@ pub fn veiled_room() -> Scene {
         ..Material::default()
     };
     scene.materials.extend([screen, veil, glass]);
-    let (low, size) = (vec3(-0.7, 0.05, -0.7), 0.6);
-    for axis in 0..3 {
-        let [n, a, b] = [0, 1, 2].map(|i| size * Vec3::AXES[(axis + i) % 3]);
-        quad(&mut scene, low + n, a, b, 5);
-        quad(&mut scene, low, b, a, 5);
-    }
+    block(&mut scene, vec3(-0.7, 0.05, -0.7), 0.6, 5);
     quad(&mut scene, vec3(-0.9, 0.1, 0.1), Vec3::X, 1.1 * Vec3::Y, 3);
     quad(&mut scene, vec3(0.0, 0.2, 0.5), vec3(0.9, 0.0, 0.3), 1.2 * Vec3::Y, 4);
     scene
+}
+
+/// A cube.
+fn block(scene: &mut Scene, low: Vec3, size: f32, material: u32) {
+    for axis in 0..3 {
+        let [n, a, b] = [0, 1, 2].map(|i| size * Vec3::AXES[(axis + i) % 3]);
+        quad(scene, low + n, a, b, material);
+        quad(scene, low, b, a, material);
+    }
 }
 
 fn quad(scene: &mut Scene, corner: Vec3, across: Vec3, up: Vec3, material: u32) {

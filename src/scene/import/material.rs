@@ -8,8 +8,8 @@ use gltf::json::validation::Checked;
 
 use super::notes::{Feature, MATERIAL_EXTENSIONS, Notes};
 use super::texture::Reader;
-use crate::scene::Material;
-use crate::scene::material::{AlphaMode, Textures};
+use crate::scene::{Image, Material};
+use crate::scene::material::{AlphaMode, Coat, Textures};
 
 /// Whether light passes a transmissive material refracted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,6 +63,7 @@ pub fn convert(material: &json::Material, raw: &Value, colored: bool, mut reader
             _ => AlphaMode::Opaque,
         },
         vertex_colored: colored,
+        coat: coat(raw),
         textures: Textures::default(),
         mapped_alpha: None,
     };
@@ -74,6 +75,7 @@ pub fn convert(material: &json::Material, raw: &Value, colored: bool, mut reader
             specular: 0.0,
             transmission: 0.0,
             emission: Vec3::ZERO,
+            coat: Coat::default(),
             ..converted
         };
     }
@@ -101,6 +103,7 @@ pub fn convert(material: &json::Material, raw: &Value, colored: bool, mut reader
 /// The occlusion texture is not read: how much light reaches a point is what rendering computes. Neither is the texture of
 /// KHR_materials_volume's thickness, which stands in for geometry that is there.
 fn textures(material: &mut Material, raw: &Value, reader: &mut Reader) -> Result<(), String> {
+    let coated = material.coat_factor() > 0.0;
     let mut read = |pointer: &str, srgb: bool, used: bool| {
         let info = raw.pointer(pointer).filter(|_| used);
         reader.texture(info, &pointer.replace('/', "."), srgb)
@@ -108,30 +111,30 @@ fn textures(material: &mut Material, raw: &Value, reader: &mut Reader) -> Result
     let specular = material.specular > 0.0;
     let colored = material.base_color != Vec3::ZERO || material.alpha_mode != AlphaMode::Opaque;
     let extension = |name: &str| format!("/extensions/KHR_materials_{name}");
+    let scale = |pointer: &str| {
+        let scale = raw.pointer(&format!("{pointer}/scale")).and_then(Value::as_f64);
+        scale.unwrap_or(1.0) as f32
+    };
+    let coat_normal = extension("clearcoat") + "/clearcoatNormalTexture";
     material.textures = Textures {
         base_color: read("/pbrMetallicRoughness/baseColorTexture", true, colored)?,
         metallic_roughness: read("/pbrMetallicRoughness/metallicRoughnessTexture", false, material.is_specular())?,
         emissive: read("/emissiveTexture", true, material.emits())?,
-        normal: read("/normalTexture", false, true)?.map(|texture| {
-            let scale = raw.pointer("/normalTexture/scale").and_then(Value::as_f64).unwrap_or(1.0);
-            (texture, scale as f32)
-        }),
+        normal: read("/normalTexture", false, true)?.map(|texture| (texture, scale("/normalTexture"))),
         transmission: read(&(extension("transmission") + "/transmissionTexture"), false, material.transmission > 0.0)?,
         specular: read(&(extension("specular") + "/specularTexture"), false, specular)?,
         specular_color: read(&(extension("specular") + "/specularColorTexture"), true, specular)?,
+        coat: read(&(extension("clearcoat") + "/clearcoatTexture"), false, coated)?,
+        coat_roughness: read(&(extension("clearcoat") + "/clearcoatRoughnessTexture"), false, coated)?,
+        coat_normal: read(&coat_normal, false, coated)?.map(|texture| (texture, scale(&coat_normal))),
     };
     let images = &reader.images.images;
     if let Some(texture) = &material.textures.metallic_roughness {
-        let texels = &images[texture.image as usize].texels;
-        let (mut sum, mut most) = (0.0, 0u8);
-        for texel in texels {
-            let [_, green, ..] = texel.to_le_bytes();
-            most = most.max(green);
-            sum += f64::from(green).powi(2);
-        }
-        let squared = material.roughness.powi(2);
-        let mean = (sum / (texels.len() as f64 * 255.0 * 255.0)) as f32;
-        material.mapped_alpha = Some([squared * mean, squared * (f32::from(most) / 255.0).powi(2)]);
+        material.mapped_alpha = Some(mapped_alpha(&images[texture.image as usize], material.roughness));
+    }
+    if let Some(texture) = &material.textures.coat_roughness {
+        let [mean, _] = mapped_alpha(&images[texture.image as usize], material.coat.roughness);
+        material.coat.mapped_alpha = Some(mean);
     }
     // A lamp whose texture is black all over is none.
     if let Some(texture) = &material.textures.emissive
@@ -141,6 +144,29 @@ fn textures(material: &mut Material, raw: &Value, reader: &mut Reader) -> Result
         material.textures.emissive = None;
     }
     Ok(())
+}
+
+/// Mean and largest alpha over the texels, whose green is multiplied with `roughness`.
+fn mapped_alpha(image: &Image, roughness: f32) -> [f32; 2] {
+    let (mut sum, mut most) = (0.0, 0u8);
+    for texel in &image.texels {
+        let [_, green, ..] = texel.to_le_bytes();
+        most = most.max(green);
+        sum += f64::from(green).powi(2);
+    }
+    let squared = roughness * roughness;
+    let mean = (sum / (image.texels.len() as f64 * 255.0 * 255.0)) as f32;
+    [squared * mean, squared * (f32::from(most) / 255.0).powi(2)]
+}
+
+/// A number in a material's extension, `default` where it does not say.
+fn number(raw: &Value, pointer: &str, default: f32) -> f32 {
+    raw.pointer(pointer).and_then(Value::as_f64).map_or(default, |value| value as f32)
+}
+
+fn coat(raw: &Value) -> Coat {
+    let of = |name: &str| number(raw, &format!("/extensions/KHR_materials_clearcoat/{name}"), 0.0);
+    Coat { factor: of("clearcoatFactor"), roughness: of("clearcoatRoughnessFactor"), mapped_alpha: None }
 }
 
 /// Beer's law: after the attenuation distance, the attenuation colour is left. Black absorbs as good as all.
@@ -168,6 +194,7 @@ fn check(material: &mut Material) -> Result<(), String> {
         ("KHR_materials_specular", material.specular.is_finite() && material.specular_color.is_finite()),
         ("KHR_materials_volume", material.absorption.is_finite()),
         ("KHR_materials_transmission", material.transmission.is_finite()),
+        ("KHR_materials_clearcoat", material.coat.factor.is_finite() && material.coat.roughness.is_finite()),
     ];
     if let Some((what, _)) = values.iter().find(|(_, finite)| !finite) {
         return Err(format!("{what} is not a finite number: correct it"));
@@ -175,7 +202,9 @@ fn check(material: &mut Material) -> Result<(), String> {
     material.base_color = material.base_color.clamp(Vec3::ZERO, Vec3::ONE);
     material.emission = material.emission.max(Vec3::ZERO);
     material.specular_color = material.specular_color.max(Vec3::ZERO);
-    for unit in [&mut material.metallic, &mut material.roughness, &mut material.specular, &mut material.transmission] {
+    let (own, coat) = ([&mut material.metallic, &mut material.roughness], &mut material.coat);
+    let further = [&mut material.specular, &mut material.transmission, &mut coat.factor, &mut coat.roughness];
+    for unit in own.into_iter().chain(further) {
         *unit = unit.clamp(0.0, 1.0);
     }
     // KHR_materials_ior: 0 means full reflection at every angle, which only an opaque surface can mean; else 1 and up.

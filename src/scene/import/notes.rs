@@ -22,9 +22,8 @@ pub enum Feature {
 }
 
 /// Extensions that add something to a material that the renderer does not have yet, and what they add.
-pub const MATERIAL_EXTENSIONS: [(&str, &str); 8] = [
+pub const MATERIAL_EXTENSIONS: [(&str, &str); 7] = [
     ("KHR_materials_anisotropy", "Anisotropy"),
-    ("KHR_materials_clearcoat", "Clearcoat"),
     ("KHR_materials_diffuse_transmission", "Diffuse transmission"),
     ("KHR_materials_dispersion", "Dispersion"),
     ("KHR_materials_iridescence", "Iridescence"),
