@@ -249,7 +249,17 @@ mod tests {
             Features { mixed: true, environment: true, ..Features::default() },
             Features { textured: true, blended: true, masked: true, ..Features::default() },
             Features { coated: true, ..Features::default() },
-            Features { coated: true, textured: true, normal_mapped: true, blended: true, ..Features::default() },
+            Features { sheen: true, ..Features::default() },
+            Features { anisotropic: true, textured: true, normal_mapped: true, ..Features::default() },
+            Features {
+                coated: true,
+                sheen: true,
+                anisotropic: true,
+                textured: true,
+                normal_mapped: true,
+                blended: true,
+                ..Features::default()
+            },
         ];
         for (bits, textured) in (0..64u32).flat_map(|bits| textured.map(|textured| (bits, textured))) {
             if textured != Features::default() && ![0, 63].contains(&bits) {

@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::layout::{EXTENDED_ROWS, LAYERED_ROWS, MATERIAL_ROWS};
 use crate::scene::material::AlphaMode;
+use crate::scene::sheen::SHEEN_ALBEDO;
 use crate::scene::texture::{SRGB, Texture, Wrap};
 use crate::scene::{Features, Material, Scene};
 
@@ -19,11 +20,12 @@ pub fn encode_octahedral(n: Vec3) -> u32 {
     snorm(x) | (snorm(y) << 16)
 }
 
-/// The rows of all materials, and the rows of their textures, which lie in the same table after `lights` more.
+/// The rows of all materials, and the rows of their textures and of sheen's table, which lie in the same table after
+/// `lights` more.
 pub fn materials(scene: &Scene, features: Features, threshold: f32, lights: usize) -> (Vec<[u32; 4]>, Vec<[u32; 4]>) {
     let mut rows = Vec::new();
     let mut textures: Vec<[u32; 4]> = Vec::new();
-    let rows_each = match (features.layered(), features.extended()) {
+    let rows_each = match (features.has_layer_rows(), features.extended()) {
         (true, _) => LAYERED_ROWS,
         (false, true) => EXTENDED_ROWS,
         (false, false) => MATERIAL_ROWS,
@@ -55,14 +57,25 @@ pub fn materials(scene: &Scene, features: Features, threshold: f32, lights: usiz
             let sigma = material.absorption * scene.bounding_sphere().1;
             rows.push([sigma.x, sigma.y, sigma.z, 0.0].map(f32::to_bits));
         }
-        if features.layered() {
+        if features.has_layer_rows() {
+            let (sheen, anisotropy) = (material.sheen, material.anisotropy);
             let normal = material.textures.coat_normal.as_ref();
             let normal = normal.map_or(0, |(texture, scale)| row_of(Some(texture), *scale));
-            let [coat, coat_roughness] = material.textures.layer_slots().map(|texture| row_of(texture, 1.0));
-            rows.push([material.coat_factor(), coat_alpha(material, threshold), 0.0, 0.0].map(f32::to_bits));
-            rows.push([0, 0, 0, normal]);
-            rows.push([coat, coat_roughness, 0, 0]);
+            let [coat, coat_roughness, sheen_color, sheen_roughness, stretch] =
+                material.textures.layer_slots().map(|texture| row_of(texture, 1.0));
+            let coat_alpha = coat_alpha(material, threshold);
+            rows.push([material.coat_factor(), coat_alpha, anisotropy.strength, anisotropy.rotation].map(f32::to_bits));
+            rows.push([sheen.color.x, sheen.color.y, sheen.color.z, sheen.roughness].map(f32::to_bits));
+            rows.push([coat, coat_roughness, sheen_color, sheen_roughness]);
+            rows.push([stretch, normal, 0, 0]);
         }
+    }
+    if features.sheen {
+        let table = (first_texture + textures.len()) as u32;
+        for row in rows.chunks_exact_mut(rows_each) {
+            row[rows_each - 1][2] = table;
+        }
+        textures.extend(SHEEN_ALBEDO.as_chunks().0.iter().map(|entries: &[f32; 4]| entries.map(f32::to_bits)));
     }
     (rows, textures)
 }

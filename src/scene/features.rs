@@ -43,6 +43,10 @@ pub struct Features {
     pub absorbing: bool,
     /// Some material has a clear coat.
     pub coated: bool,
+    /// Some material has sheen.
+    pub sheen: bool,
+    /// Some material is anisotropic.
+    pub anisotropic: bool,
 }
 
 impl Features {
@@ -77,9 +81,11 @@ impl Features {
             features.glossy |= specular && !smooth;
             features.textured |= !material.is_plain();
             features.second_coordinates |= material.textures.all().any(|texture| texture.slot > 0);
-            features.normal_mapped |= material.tangent_texture().is_some();
+            features.normal_mapped |= material.tangent_slot().is_some();
             features.vertex_colored |= material.vertex_colored;
             features.absorbing |= transmits && !material.thin && material.absorption != Vec3::ZERO;
+            features.sheen |= material.sheen.color != Vec3::ZERO;
+            features.anisotropic |= material.anisotropy.strength > 0.0 && material.alpha() > 0.0;
             if material.coat_factor() > 0.0 {
                 let narrow = material.coat_alpha() < threshold;
                 features.coated = true;
@@ -102,16 +108,21 @@ impl Features {
 
     /// Whether materials have more than factors: rows of textures and coverage.
     pub fn extended(&self) -> bool {
-        self.textured || self.masked || self.blended || self.absorbing || self.layered()
+        self.textured || self.masked || self.blended || self.absorbing || self.has_layer_rows()
     }
 
     /// Whether some material has a layer over it.
     pub fn layered(&self) -> bool {
-        self.coated
+        self.coated || self.sheen
+    }
+
+    /// Whether materials have rows for layers and anisotropy.
+    pub fn has_layer_rows(&self) -> bool {
+        self.layered() || self.anisotropic
     }
 
     /// Every flag with its name, as the shaders call it.
-    pub fn flags(&self) -> [(&'static str, bool); 19] {
+    pub fn flags(&self) -> [(&'static str, bool); 22] {
         [
             ("glossy", self.glossy),
             ("mirror", self.mirror),
@@ -130,7 +141,10 @@ impl Features {
             ("blended", self.blended),
             ("absorbing", self.absorbing),
             ("coated", self.coated),
+            ("sheen", self.sheen),
+            ("anisotropic", self.anisotropic),
             ("layered", self.layered()),
+            ("layer_rows", self.has_layer_rows()),
             ("extended", self.extended()),
         ]
     }

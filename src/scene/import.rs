@@ -41,16 +41,18 @@ pub(super) const NO_LIGHT: &str = "The file has no light that can be rendered: a
 /// Most triangles in a scene, so that a small file of many instances cannot fill the memory: 1.4 GiB at worst.
 const MAX_TRIANGLES: u64 = 1 << 24;
 /// Extensions that a file may require: the import either honours them or has a sentence of its own about them.
-const KNOWN: [&str; 17] = [
+const KNOWN: [&str; 19] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
@@ -175,7 +177,7 @@ impl<'a> Importer<'a> {
             let converted = self.converted(material)?;
             let wanted = Wanted {
                 coordinates: &converted.coordinates,
-                tangents: converted.material.tangent_texture().is_some(),
+                tangents: converted.material.tangent_slot().is_some(),
                 colors: converted.material.vertex_colored,
             };
             let triangles =

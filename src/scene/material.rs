@@ -45,6 +45,8 @@ pub struct Material {
     pub vertex_colored: bool,
     /// KHR_materials_clearcoat.
     pub coat: Coat,
+    pub sheen: Sheen,
+    pub anisotropy: Anisotropy,
     pub textures: Textures,
     /// Mean and largest GGX alpha over the texels of the roughness texture, where there is one.
     pub mapped_alpha: Option<[f32; 2]>,
@@ -59,6 +61,24 @@ pub struct Coat {
     pub roughness: f32,
     /// Mean GGX alpha over the texels of its roughness texture, where there is one.
     pub mapped_alpha: Option<f32>,
+}
+
+/// Fibres on a material (KHR_materials_sheen).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sheen {
+    /// Black where there is none.
+    pub color: Vec3,
+    /// Perceptual roughness.
+    pub roughness: f32,
+}
+
+/// Facets whose normals spread in one direction more than in the other (KHR_materials_anisotropy).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Anisotropy {
+    /// 0, not at all, to 1.
+    pub strength: f32,
+    /// Of the direction in which they spread more, from the tangent towards the bitangent, in radians.
+    pub rotation: f32,
 }
 
 /// What a material's alpha means (glTF 2.0, section 3.9.4).
@@ -93,6 +113,12 @@ pub struct Textures {
     pub coat_roughness: Option<Texture>,
     /// As `normal`.
     pub coat_normal: Option<(Texture, f32)>,
+    /// RGB: the sheen's colour.
+    pub sheen_color: Option<Texture>,
+    /// A: the sheen's roughness.
+    pub sheen_roughness: Option<Texture>,
+    /// RG: the direction of anisotropy; B: its strength.
+    pub anisotropy: Option<Texture>,
 }
 
 impl Textures {
@@ -109,9 +135,9 @@ impl Textures {
         .map(Option::as_ref)
     }
 
-    /// Those of its layers but the normals, in the order that follows there.
-    pub fn layer_slots(&self) -> [Option<&Texture>; 2] {
-        [&self.coat, &self.coat_roughness].map(Option::as_ref)
+    /// Those of its layers but the normals, and of anisotropy, in the order that follows there.
+    pub fn layer_slots(&self) -> [Option<&Texture>; 5] {
+        [&self.coat, &self.coat_roughness, &self.sheen_color, &self.sheen_roughness, &self.anisotropy].map(Option::as_ref)
     }
 
     /// Normals, of the material and of its coat.
@@ -145,6 +171,8 @@ impl Default for Material {
             alpha_mode: AlphaMode::Opaque,
             vertex_colored: false,
             coat: Coat::default(),
+            sheen: Sheen::default(),
+            anisotropy: Anisotropy::default(),
             textures: Textures::default(),
             mapped_alpha: None,
         }
@@ -156,12 +184,12 @@ impl Material {
     ///
     /// A roughness texture makes no difference to what a lobe is taken for: that must be the same at every point of a
     /// material. It is the mean alpha over the texels that counts here, and the lobes are deltas only if all texels are
-    /// that smooth; else no point has an alpha below [`DELTA_ALPHA`]. Neither has one under a coat, whose lobe is none: a
-    /// class of reflections is a delta or a lobe, not both.
+    /// that smooth; else no point has an alpha below [`DELTA_ALPHA`]. Neither has one under a coat, whose lobe is none (a
+    /// class of reflections is a delta or a lobe, not both), or an anisotropic one.
     pub fn alpha(&self) -> f32 {
         let flat = self.roughness * self.roughness;
         let [mean, most] = self.mapped_alpha.unwrap_or([flat; 2]);
-        let delta = most < DELTA_ALPHA && self.coat_factor() == 0.0;
+        let delta = most < DELTA_ALPHA && self.coat_factor() == 0.0 && self.anisotropy.strength == 0.0;
         if delta || self.is_matched() { 0.0 } else { mean.max(DELTA_ALPHA) }
     }
 
@@ -187,17 +215,20 @@ impl Material {
 
     /// Whether it has a lobe that is treated as specular for being narrower than `threshold`.
     pub fn is_narrow(&self, threshold: f32) -> bool {
-        self.is_specular() && self.alpha() > 0.0 && self.alpha() < threshold
+        // Of the two alphas of anisotropy, the geometric mean.
+        let along = self.alpha() + (1.0 - self.alpha()) * self.anisotropy.strength.powi(2);
+        self.is_specular() && self.alpha() > 0.0 && (self.alpha() * along).sqrt() < threshold
     }
 
     /// Whether it is the same at every point of a triangle.
     pub fn is_plain(&self) -> bool {
-        !self.vertex_colored && self.textures.all().next().is_none()
+        !self.vertex_colored && self.anisotropy.strength == 0.0 && self.textures.all().next().is_none()
     }
 
-    /// The texture whose coordinates its tangents follow; None where it needs no tangents.
-    pub fn tangent_texture(&self) -> Option<&Texture> {
-        self.textures.normals().next()
+    /// Which of the vertices' coordinates its tangents follow; None where it needs no tangents.
+    pub fn tangent_slot(&self) -> Option<usize> {
+        let anisotropic = (self.anisotropy.strength > 0.0).then(|| self.textures.anisotropy.as_ref().map_or(0, |t| t.slot));
+        self.textures.normals().next().map(|texture| texture.slot).or(anisotropic)
     }
 
     /// Whether there is nothing of it anywhere: alpha is below the mask's cutoff, and the same at all points.

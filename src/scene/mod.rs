@@ -6,6 +6,7 @@ pub mod features;
 pub mod import;
 pub mod light;
 pub mod material;
+pub mod sheen;
 pub mod texture;
 
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};

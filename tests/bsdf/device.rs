@@ -36,6 +36,7 @@ impl<'a> Device<'a> {
             name: "materials".into(),
             positions: (0..n).flat_map(|i| [Vec3::X, Vec3::Y, Vec3::ZERO].map(|p| p + i as f32 * Vec3::Z)).collect(),
             normals: vec![Vec3::Z; 3 * n as usize],
+            tangents: vec![Vec3::X.extend(1.0); 3 * n as usize],
             triangles: (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
             triangle_materials: (0..n).collect(),
             materials: materials.to_vec(),

@@ -1,7 +1,8 @@
 //! Layers over materials: against twins in f64 written from the extensions' formulas, apart from the shaders.
 
 use super::*;
-use emlt::scene::material::Coat;
+use emlt::scene::material::{Anisotropy, Coat, Sheen};
+use emlt::scene::sheen;
 
 fn coat(factor: f32, alpha: f32) -> Coat {
     Coat { factor, roughness: alpha.sqrt(), mapped_alpha: None }
@@ -107,4 +108,122 @@ fn coats_are_their_twins() {
         println!("{}: {bad} of {} values differ", material.name, 3 * pairs.len());
         assert!(bad as f64 <= 2e-3 * 3.0 * pairs.len() as f64, "{}: {bad}", material.name);
     }
+}
+
+fn fibres(color: [f32; 3], roughness: f32) -> Sheen {
+    Sheen { color: color.into(), roughness }
+}
+
+/// Sheen over every kind of base, alone and under a coat, and facets that spread unevenly.
+fn sheens_and_grains() -> Vec<Material> {
+    let rose = Vec3::new(0.9, 0.5, 0.6);
+    let grain = |strength, rotation| Anisotropy { strength, rotation };
+    let metal = |alpha: f32| Material { metallic: 1.0, roughness: alpha.sqrt(), base_color: rose, ..matt("") };
+    vec![
+        Material { base_color: rose, sheen: fibres([0.7, 0.8, 1.0], 0.5), ..matt("sheen on rose") },
+        Material { sheen: fibres([1.0; 3], 0.3), name: "sheen on metal".into(), ..metal(0.3) },
+        Material { coat: coat(0.8, 0.3), sheen: fibres([0.9, 0.5, 0.2], 0.8), ..matt("coat on sheen") },
+        Material { anisotropy: grain(0.7, 0.6), name: "brushed metal".into(), ..metal(0.15) },
+        Material { anisotropy: grain(0.6, 2.0), ..Material { name: "brushed glass".into(), ..glass(0.2) } },
+        Material { anisotropy: grain(0.5, 1.0), coat: coat(1.0, 0.2), name: "coat on brushed".into(), ..metal(0.2) },
+    ]
+}
+
+#[test]
+fn samples_of_sheen_and_grain_have_their_density() {
+    check_samples(&sheens_and_grains(), 0.0, &[TAG_DIFFUSE]);
+}
+
+#[test]
+fn samples_of_narrow_grain_have_their_density() {
+    check_samples(&sheens_and_grains()[2..], f32::INFINITY, &[TAG_DIFFUSE, TAG_REFLECT, TAG_TRANSMIT]);
+}
+
+#[test]
+fn classes_of_sheen_and_grain_add_up() {
+    check_classes(&sheens_and_grains());
+}
+
+#[test]
+fn sheen_and_grain_are_reciprocal() {
+    check_reciprocity(&sheens_and_grains());
+}
+
+#[test]
+fn sheen_and_grain_make_no_energy() {
+    let white = |roughness| Material { sheen: fibres([1.0; 3], roughness), ..matt("sheen on white") };
+    let brushed = |alpha: f32| Material {
+        metallic: 1.0,
+        roughness: alpha.sqrt(),
+        anisotropy: Anisotropy { strength: 0.8, rotation: 0.3 },
+        ..matt("brushed white")
+    };
+    let materials: Vec<_> = [0.0, 0.1, 0.2, 0.4, 0.7, 1.0].map(white).into_iter().chain([0.01, 0.2].map(brushed)).collect();
+    for (material, albedos) in materials.iter().zip(albedos(&materials)) {
+        for (camera, mean, error) in albedos {
+            println!("{}, {camera:.2}: albedo {mean:.4} +- {error:.4}", material.name);
+            assert!(mean < 1.0 + 4.5 * error + 2e-3, "{}, {camera}: {mean}", material.name);
+        }
+    }
+}
+
+/// The table's interpolation against quadrature with more points, between its entries.
+#[test]
+fn the_table_of_sheen_is_its_albedo() {
+    let last = (sheen::SHEEN_ENTRIES - 1) as f64;
+    for (row, column) in [(0, 8), (1, 15), (5, 6), (12, 20), (20, 3), (30, 30)] {
+        let at = |i: usize, j: usize| f64::from(sheen::SHEEN_ALBEDO[i * sheen::SHEEN_ENTRIES + j]);
+        let entries = [at(row, column), at(row, column + 1), at(row + 1, column), at(row + 1, column + 1)];
+        let roughness = f64::from(sheen::SHEEN_ROUGHNESS);
+        let roughness = roughness + (1.0 - roughness) * (row as f64 + 0.5) / last;
+        let cosine = ((column as f64 + 0.5) / last).powi(2);
+        let exact = sheen::albedo(roughness * roughness, cosine, 400);
+        let mean = entries.iter().sum::<f64>() / 4.0;
+        println!("roughness {roughness:.3}, cosine {cosine:.3}: {mean:.4} for {exact:.4}");
+        assert!((mean - exact).abs() < 0.03 * exact + 3e-3, "{mean} {exact}");
+    }
+}
+
+#[test]
+fn sheen_and_grain_are_their_twins() {
+    let context = context();
+    let rose = Vec3::new(0.9, 0.5, 0.6);
+    let brushed = Material { metallic: 1.0, roughness: 0.4, base_color: rose, ..matt("brushed") };
+    let materials = [
+        Material { base_color: Vec3::ZERO, sheen: fibres([0.7, 0.2, 0.9], 0.6), ..matt("sheen") },
+        Material { anisotropy: Anisotropy { strength: 0.7, rotation: 0.6 }, ..brushed },
+    ];
+    let mut device = Device::new(&context, &materials, 0.0);
+    let bad = |index: usize, device: &mut Device, twin: &dyn Fn(DVec3, DVec3, usize) -> f64| {
+        let pairs: Vec<_> = pairs(device, index, 20_000).into_iter().filter(|p| p.0.z.min(p.1.z) > 1e-4).collect();
+        let mut bad = 0;
+        for ((light, camera, _), e) in pairs.iter().zip(device.evaluate(index, DVec3::Z, &pairs)) {
+            for c in 0..3 {
+                let expected = twin(*light, *camera, c);
+                bad += usize::from((e.value[c] - expected).abs() > 3e-3 * expected + 1e-5);
+            }
+        }
+        println!("{}: {bad} of {} values differ", materials[index].name, 3 * pairs.len());
+        assert!(bad as f64 <= 2e-3 * 3.0 * pairs.len() as f64, "{}: {bad}", materials[index].name);
+    };
+    let alpha = 0.36;
+    bad(0, &mut device, &|l, v, c| {
+        let h = (l + v).normalize();
+        let sine = (1.0 - h.z * h.z).sqrt();
+        let shadowed = (1.0 + sheen::lambda(l.z, alpha) + sheen::lambda(v.z, alpha)) * 4.0 * l.z * v.z;
+        f64::from(materials[0].sheen.color[c]) * sheen::distribution(sine, alpha) / shadowed
+    });
+    // KHR_materials_anisotropy, with separable shadowing.
+    let (across, along) = (0.16f64, 0.16 + 0.84 * 0.49);
+    let (t, b) = (DVec3::new(0.6f64.cos(), 0.6f64.sin(), 0.0), DVec3::new(-0.6f64.sin(), 0.6f64.cos(), 0.0));
+    bad(1, &mut device, &|l, v, c| {
+        let h = (l + v).normalize();
+        let slope = (h.dot(t) / along).powi(2) + (h.dot(b) / across).powi(2) + h.z * h.z;
+        let d = 1.0 / (PI * along * across * slope * slope);
+        let g1 = |w: DVec3| {
+            2.0 * w.z / (w.z + ((along * w.dot(t)).powi(2) + (across * w.dot(b)).powi(2) + w.z * w.z).sqrt())
+        };
+        let f0 = f64::from(rose[c]);
+        (f0 + (1.0 - f0) * (1.0 - h.dot(v)).powi(5)) * d * g1(l) * g1(v) / (4.0 * l.z * v.z)
+    });
 }

@@ -9,7 +9,7 @@ use gltf::json::validation::Checked;
 use super::notes::{Feature, MATERIAL_EXTENSIONS, Notes};
 use super::texture::Reader;
 use crate::scene::{Image, Material};
-use crate::scene::material::{AlphaMode, Coat, Textures};
+use crate::scene::material::{AlphaMode, Anisotropy, Coat, Sheen, Textures};
 
 /// Whether light passes a transmissive material refracted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,6 +64,8 @@ pub fn convert(material: &json::Material, raw: &Value, colored: bool, mut reader
         },
         vertex_colored: colored,
         coat: coat(raw),
+        sheen: sheen(raw),
+        anisotropy: anisotropy(raw),
         textures: Textures::default(),
         mapped_alpha: None,
     };
@@ -76,6 +78,8 @@ pub fn convert(material: &json::Material, raw: &Value, colored: bool, mut reader
             transmission: 0.0,
             emission: Vec3::ZERO,
             coat: Coat::default(),
+            sheen: Sheen::default(),
+            anisotropy: Anisotropy::default(),
             ..converted
         };
     }
@@ -86,6 +90,10 @@ pub fn convert(material: &json::Material, raw: &Value, colored: bool, mut reader
         reader.notes.add(Feature::GlassAlpha, index);
     }
     textures(&mut converted, raw, &mut reader)?;
+    // Tangents follow the first coordinates where no texture asks for others.
+    if converted.anisotropy.strength > 0.0 && reader.sets.is_empty() {
+        reader.sets.push(0);
+    }
     note_unsupported(material, index, reader.notes);
 
     let refraction = match volume {
@@ -104,6 +112,7 @@ pub fn convert(material: &json::Material, raw: &Value, colored: bool, mut reader
 /// KHR_materials_volume's thickness, which stands in for geometry that is there.
 fn textures(material: &mut Material, raw: &Value, reader: &mut Reader) -> Result<(), String> {
     let coated = material.coat_factor() > 0.0;
+    let (fibres, stretched) = (material.sheen.color != Vec3::ZERO, material.anisotropy.strength > 0.0);
     let mut read = |pointer: &str, srgb: bool, used: bool| {
         let info = raw.pointer(pointer).filter(|_| used);
         reader.texture(info, &pointer.replace('/', "."), srgb)
@@ -127,6 +136,9 @@ fn textures(material: &mut Material, raw: &Value, reader: &mut Reader) -> Result
         coat: read(&(extension("clearcoat") + "/clearcoatTexture"), false, coated)?,
         coat_roughness: read(&(extension("clearcoat") + "/clearcoatRoughnessTexture"), false, coated)?,
         coat_normal: read(&coat_normal, false, coated)?.map(|texture| (texture, scale(&coat_normal))),
+        sheen_color: read(&(extension("sheen") + "/sheenColorTexture"), true, fibres)?,
+        sheen_roughness: read(&(extension("sheen") + "/sheenRoughnessTexture"), false, fibres)?,
+        anisotropy: read(&(extension("anisotropy") + "/anisotropyTexture"), false, stretched)?,
     };
     let images = &reader.images.images;
     if let Some(texture) = &material.textures.metallic_roughness {
@@ -169,6 +181,18 @@ fn coat(raw: &Value) -> Coat {
     Coat { factor: of("clearcoatFactor"), roughness: of("clearcoatRoughnessFactor"), mapped_alpha: None }
 }
 
+fn sheen(raw: &Value) -> Sheen {
+    let path = "/extensions/KHR_materials_sheen";
+    let channel = |i: usize| number(raw, &format!("{path}/sheenColorFactor/{i}"), 0.0);
+    let roughness = number(raw, &format!("{path}/sheenRoughnessFactor"), 0.0);
+    Sheen { color: Vec3::new(channel(0), channel(1), channel(2)), roughness }
+}
+
+fn anisotropy(raw: &Value) -> Anisotropy {
+    let of = |name: &str| number(raw, &format!("/extensions/KHR_materials_anisotropy/{name}"), 0.0);
+    Anisotropy { strength: of("anisotropyStrength"), rotation: of("anisotropyRotation") }
+}
+
 /// Beer's law: after the attenuation distance, the attenuation colour is left. Black absorbs as good as all.
 fn absorption(volume: &json::extensions::material::Volume) -> Vec3 {
     let (color, distance) = (volume.attenuation_color.0, volume.attenuation_distance.0);
@@ -195,16 +219,23 @@ fn check(material: &mut Material) -> Result<(), String> {
         ("KHR_materials_volume", material.absorption.is_finite()),
         ("KHR_materials_transmission", material.transmission.is_finite()),
         ("KHR_materials_clearcoat", material.coat.factor.is_finite() && material.coat.roughness.is_finite()),
+        ("KHR_materials_sheen", material.sheen.color.is_finite() && material.sheen.roughness.is_finite()),
+        (
+            "KHR_materials_anisotropy",
+            material.anisotropy.strength.is_finite() && material.anisotropy.rotation.is_finite(),
+        ),
     ];
     if let Some((what, _)) = values.iter().find(|(_, finite)| !finite) {
         return Err(format!("{what} is not a finite number: correct it"));
     }
     material.base_color = material.base_color.clamp(Vec3::ZERO, Vec3::ONE);
+    material.sheen.color = material.sheen.color.clamp(Vec3::ZERO, Vec3::ONE);
     material.emission = material.emission.max(Vec3::ZERO);
     material.specular_color = material.specular_color.max(Vec3::ZERO);
     let (own, coat) = ([&mut material.metallic, &mut material.roughness], &mut material.coat);
     let further = [&mut material.specular, &mut material.transmission, &mut coat.factor, &mut coat.roughness];
-    for unit in own.into_iter().chain(further) {
+    let others = [&mut material.sheen.roughness, &mut material.anisotropy.strength];
+    for unit in own.into_iter().chain(further).chain(others) {
         *unit = unit.clamp(0.0, 1.0);
     }
     // KHR_materials_ior: 0 means full reflection at every angle, which only an opaque surface can mean; else 1 and up.

@@ -22,13 +22,11 @@ pub enum Feature {
 }
 
 /// Extensions that add something to a material that the renderer does not have yet, and what they add.
-pub const MATERIAL_EXTENSIONS: [(&str, &str); 7] = [
-    ("KHR_materials_anisotropy", "Anisotropy"),
+pub const MATERIAL_EXTENSIONS: [(&str, &str); 5] = [
     ("KHR_materials_diffuse_transmission", "Diffuse transmission"),
     ("KHR_materials_dispersion", "Dispersion"),
     ("KHR_materials_iridescence", "Iridescence"),
     ("KHR_materials_pbrSpecularGlossiness", "Specular-glossiness"),
-    ("KHR_materials_sheen", "Sheen"),
     ("KHR_materials_subsurface", "Subsurface scattering"),
 ];
 
