@@ -26,6 +26,9 @@ const SPECULAR_SCENE: &str = "lamp_in_glass.glb";
 /// The same room with metal and glass whose lobes are treated as specular, and such as are not.
 const GLOSSY: &str = "glossy_box.glb";
 
+/// The room with clear coats, sheen and brushed metal.
+const LAYERED: &str = "layered_box.glb";
+
 /// The scenes of the proofs with the kernels that keep the type and are proven there.
 const PERTURBATIONS: [(&str, &[&Kernel]); 3] = [
     (
@@ -116,6 +119,23 @@ fn log_ratios_are_antisymmetric() {
     let (share, _) = asymmetric_share(&mut bench, &guided_lens::KERNEL, &[], Guides::Own);
     println!("twin, guides from the own half: {share:.3} asymmetric");
     assert!(share > 0.05, "the twin with guides from the own half passes: {share}");
+}
+
+/// The same through layers, with the kept factors, the independence kernel and stationarity.
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_kernels_through_layers_leave_the_target_alone() {
+    let context = context();
+    let mut bench = Bench::new(&context, LAYERED);
+    for kernel in PERTURBATIONS[2].1 {
+        let (share, n) = asymmetric_share(&mut bench, kernel, &[], Guides::Other);
+        println!("{LAYERED}, {}: {share:.2e} of {n} proposals asymmetric", kernel.name);
+        assert!(share < 1e-3, "{}: {share}", kernel.name);
+    }
+    check_factors(&mut Bench::new(&context, LAYERED));
+    check_independence(&mut bench);
+    check_stationarity(LAYERED, PERTURBATIONS[2].1, &[], &[16], ROUNDS);
+    check_stationarity(LAYERED, &[&bidirectional::KERNEL, &guided_bidirectional::KERNEL], &[], &[4], ROUNDS);
 }
 
 /// Guides are what their paths are, but for the rounding of the packing: half a unit of 1/511.5.

@@ -25,7 +25,7 @@ use emlt::reference::rng;
 use emlt::scene::{Features, LUMINANCE, Scene, Texture};
 use glam::{DVec2, DVec3, Vec4};
 use renders::{render, replicates, settings};
-use room::{coated_room, lit_room, room, veiled_room};
+use room::{layered_room, lit_room, room, veiled_room};
 
 /// What shaders/passes/surface_probe.wesl tells of points of a scene.
 fn probe(scene: &Scene, points: &[[u32; 4]]) -> Vec<[[f32; 4]; 4]> {
@@ -172,17 +172,17 @@ fn long_textured_room_by_emlt() {
 /// (holes, a veil, tinted glass) included.
 #[test]
 fn b_is_that_of_path_tracing() {
-    check_b(&[room(), lit_room(), veiled_room()]);
+    check_b(&[room(), lit_room(), veiled_room()], 2048);
 }
 
 #[test]
-fn b_under_coats_is_that_of_path_tracing() {
-    check_b(&[coated_room()]);
+fn b_with_layers_is_that_of_path_tracing() {
+    check_b(&[layered_room()], 512);
 }
 
-fn check_b(scenes: &[Scene]) {
+fn check_b(scenes: &[Scene], samples: u32) {
     for scene in scenes {
-        let outcome = render(scene, &settings(Pt, [32, 24], 2048));
+        let outcome = render(scene, &settings(Pt, [32, 24], samples));
         let n = outcome.image.pixels.len() as f64;
         let luminance = |pixel: [f32; 3]| DVec3::from(pixel.map(f64::from)).dot(LUMINANCE);
         let traced = outcome.image.pixels.iter().map(|p| luminance(*p)).sum::<f64>() / n;
@@ -223,12 +223,12 @@ fn long_veiled_room_by_emlt() {
 
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
-fn long_coated_room_by_mlt() {
-    against_path_tracing(&coated_room(), Mlt, 16, Power { film: 0.05, tile: 0.5 });
+fn long_layered_room_by_mlt() {
+    against_path_tracing(&layered_room(), Mlt, 16, Power { film: 0.05, tile: 0.5 });
 }
 
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
-fn long_coated_room_by_emlt() {
-    against_path_tracing(&coated_room(), Emlt, 16, Power { film: 0.05, tile: 0.5 });
+fn long_layered_room_by_emlt() {
+    against_path_tracing(&layered_room(), Emlt, 16, Power { film: 0.05, tile: 0.5 });
 }

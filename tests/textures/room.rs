@@ -1,7 +1,7 @@
 //! A small room with every kind of texture, made by code.
 
 use emlt::scene::light::{Environment, Light, LightKind};
-use emlt::scene::material::{AlphaMode, Coat, Textures};
+use emlt::scene::material::{AlphaMode, Anisotropy, Coat, Sheen, Textures};
 use emlt::scene::texture::{IDENTITY, Image, Texture, Wrap};
 use emlt::scene::{Camera, Material, Scene};
 use glam::{Affine3A, Vec2, Vec3, Vec4, vec3};
@@ -106,11 +106,11 @@ pub fn lit_room() -> Scene {
     scene
 }
 
-/// The room with clear coats: smooth over the floor, uneven and bumpy over the walls and the lamp, and on a ball-like block
-/// of dark metal.
-pub fn coated_room() -> Scene {
+/// The room with layers: clear coats, smooth over the floor, uneven and bumpy over the walls, on the lamp, and on a block
+/// of dark metal brushed unevenly; sheen on the walls and on a cloth.
+pub fn layered_room() -> Scene {
     let mut scene = room();
-    scene.name = "coated room".into();
+    scene.name = "layered room".into();
     let coat = |factor, roughness| Coat { factor, roughness, mapped_alpha: None };
     scene.materials[0].coat = coat(1.0, 0.1);
     scene.materials[1].coat = Coat { mapped_alpha: Some(0.2), ..coat(0.9, 0.8) };
@@ -118,9 +118,16 @@ pub fn coated_room() -> Scene {
     scene.materials[1].textures.coat_roughness = Some(texture(1, false));
     scene.materials[1].textures.coat_normal = Some((texture(2, false), 0.3));
     scene.materials[2].coat = coat(0.7, 0.6);
+    scene.materials[1].sheen = Sheen { color: vec3(0.8, 0.7, 1.0), roughness: 0.9 };
+    scene.materials[1].textures.sheen_color = Some(texture(0, true));
     let dark = Material { name: "block".into(), base_color: vec3(0.2, 0.1, 0.3), roughness: 0.2, ..Material::default() };
-    scene.materials.push(Material { coat: coat(1.0, 0.25), ..dark });
+    let mut dark = Material { coat: coat(1.0, 0.25), anisotropy: Anisotropy { strength: 0.7, rotation: 0.5 }, ..dark };
+    dark.textures.anisotropy = Some(texture(0, false));
+    let cloth = Material { metallic: 0.0, base_color: vec3(0.1, 0.2, 0.4), ..Material::default() };
+    let sheen = Sheen { color: vec3(0.9, 0.9, 0.5), roughness: 0.3 };
+    scene.materials.extend([dark, Material { name: "cloth".into(), sheen, ..cloth }]);
     block(&mut scene, vec3(-0.7, 0.05, -0.7), 0.6, 3);
+    quad(&mut scene, vec3(0.0, 0.2, 0.5), vec3(0.9, 0.0, 0.3), 0.9 * Vec3::Y, 4);
     scene
 }
 
