@@ -250,6 +250,13 @@ mod tests {
             Features { textured: true, blended: true, masked: true, ..Features::default() },
             Features { coated: true, ..Features::default() },
             Features { sheen: true, ..Features::default() },
+            Features {
+                textured: true,
+                vertex_colored: true,
+                emission_mapped: true,
+                emission_colored: true,
+                ..Features::default()
+            },
             Features { anisotropic: true, textured: true, normal_mapped: true, ..Features::default() },
             Features {
                 coated: true,

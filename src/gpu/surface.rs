@@ -45,8 +45,10 @@ pub fn materials(scene: &Scene, features: Features, threshold: f32, lights: usiz
             let [base, rough, emissive, transmission, specular, specular_color] =
                 material.textures.slots().map(|texture| row_of(texture, 1.0));
             let normal = material.textures.normal.as_ref().map_or(0, |(texture, scale)| row_of(Some(texture), *scale));
+            // 1 where vertex colours are the surface's, 2 where they are its light's.
+            let colored = u32::from(material.vertex_colored) << u32::from(material.unlit);
             rows.push([base, rough, emissive, transmission]);
-            rows.push([specular, specular_color, normal, u32::from(material.vertex_colored)]);
+            rows.push([specular, specular_color, normal, colored]);
             let (cutoff, mode) = match material.alpha_mode {
                 AlphaMode::Opaque => (0.0, 0.0),
                 AlphaMode::Mask(cutoff) => (cutoff, 1.0),

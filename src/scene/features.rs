@@ -35,6 +35,8 @@ pub struct Features {
     pub vertex_colored: bool,
     /// Some emissive material has an emissive texture.
     pub emission_mapped: bool,
+    /// Some unlit material is multiplied by vertex colours.
+    pub emission_colored: bool,
     /// Some material is there in places only (alphaMode MASK).
     pub masked: bool,
     /// Some material covers in part what lies behind (alphaMode BLEND).
@@ -101,7 +103,8 @@ impl Features {
                 features.mirror = true;
                 features.glass = true;
             }
-            features.emission_mapped |= material.emits() && material.textures.emissive.is_some();
+            features.emission_mapped |= material.has_uneven_emission();
+            features.emission_colored |= material.emits() && material.unlit && material.vertex_colored;
         }
         features
     }
@@ -122,7 +125,7 @@ impl Features {
     }
 
     /// Every flag with its name, as the shaders call it.
-    pub fn flags(&self) -> [(&'static str, bool); 22] {
+    pub fn flags(&self) -> [(&'static str, bool); 23] {
         [
             ("glossy", self.glossy),
             ("mirror", self.mirror),
@@ -137,6 +140,7 @@ impl Features {
             ("normal_mapped", self.normal_mapped),
             ("vertex_colored", self.vertex_colored),
             ("emission_mapped", self.emission_mapped),
+            ("emission_colored", self.emission_colored),
             ("masked", self.masked),
             ("blended", self.blended),
             ("absorbing", self.absorbing),

@@ -8,7 +8,9 @@ mod camera;
 mod closed;
 mod draco;
 mod file;
+mod glossiness;
 mod image;
+mod image_light;
 mod light;
 mod material;
 mod mesh;
@@ -34,14 +36,14 @@ use self::nodes::Instances;
 use self::notes::{Feature, Notes};
 use self::texture::{Images, Reader};
 use crate::Error;
-use crate::scene::{Material, Scene};
+use crate::scene::{Environment, Material, Scene};
 
 /// Said where a sky is made up.
 pub(super) const NO_LIGHT: &str = "The file has no light that can be rendered: a white sky of radiance 1 is added.";
 /// Most triangles in a scene, so that a small file of many instances cannot fill the memory: 1.4 GiB at worst.
 const MAX_TRIANGLES: u64 = 1 << 24;
 /// Extensions that a file may require: the import either honours them or has a sentence of its own about them.
-const KNOWN: [&str; 19] = [
+const KNOWN: [&str; 20] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -52,6 +54,7 @@ const KNOWN: [&str; 19] = [
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
@@ -267,8 +270,11 @@ impl<'a> Importer<'a> {
             ));
         }
         scene.images = images.images;
-        if file.root.extensions_used.iter().any(|name| name == "EXT_lights_image_based") {
-            scene.warnings.push("Image-based lights (EXT_lights_image_based) are not supported yet: left out.".into());
+        match image_light::convert(file) {
+            Ok(environment) => scene.environment = environment,
+            Err(why) => {
+                scene.warnings.push(format!("The image-based light (EXT_lights_image_based) is left out: {why}."));
+            }
         }
         for name in &file.root.extensions_required {
             if !KNOWN.contains(&name.as_str()) && !notes::MATERIAL_EXTENSIONS.iter().any(|(known, _)| known == name) {
@@ -277,9 +283,17 @@ impl<'a> Importer<'a> {
                 ));
             }
         }
-        // Of the materials in use: one whose triangles were all dropped lights nothing.
-        if scene.lights.is_empty() && scene.mean_emission().iter().all(|luminance| *luminance == 0.0) {
-            scene.sky = Some(Vec3::ONE);
+        // Of the materials in use: one whose triangles were all dropped lights nothing. Unlit ones are not meant to.
+        let material = |triangle: usize| &scene.materials[scene.triangle_materials[triangle] as usize];
+        let emission = scene.mean_emission();
+        let lit = |unlit: bool| emission.iter().enumerate().any(|(t, e)| *e > 0.0 && material(t).unlit == unlit);
+        if scene.lights.is_empty() && scene.environment.is_none() && !lit(false) {
+            if lit(true) {
+                // A sky beside other light is an image.
+                scene.environment = Some(Environment { width: 2, height: 1, pixels: vec![[1.0; 3]; 2] });
+            } else {
+                scene.sky = Some(Vec3::ONE);
+            }
             scene.warnings.push(NO_LIGHT.into());
         }
         if scene.cameras.is_empty() {

@@ -43,6 +43,9 @@ pub struct Material {
     pub alpha_mode: AlphaMode,
     /// Multiplied by the vertices' colours (COLOR_0).
     pub vertex_colored: bool,
+    /// KHR_materials_unlit: the colour, textures and vertex colours included, is the radiance in all directions, and
+    /// nothing is scattered.
+    pub unlit: bool,
     /// KHR_materials_clearcoat.
     pub coat: Coat,
     pub sheen: Sheen,
@@ -170,6 +173,7 @@ impl Default for Material {
             base_alpha: 1.0,
             alpha_mode: AlphaMode::Opaque,
             vertex_colored: false,
+            unlit: false,
             coat: Coat::default(),
             sheen: Sheen::default(),
             anisotropy: Anisotropy::default(),
@@ -234,6 +238,11 @@ impl Material {
     /// Whether there is nothing of it anywhere: alpha is below the mask's cutoff, and the same at all points.
     pub fn is_masked_out(&self) -> bool {
         matches!(self.alpha_mode, AlphaMode::Mask(cutoff) if self.base_alpha < cutoff)
+    }
+
+    /// Whether it emits otherwise from place to place.
+    pub fn has_uneven_emission(&self) -> bool {
+        self.emits() && (self.textures.emissive.is_some() || (self.unlit && self.vertex_colored))
     }
 
     /// Whether triangles of this material are lights.

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 mod cameras;
 mod compression;
 mod damage;
+mod extensions;
 mod geometry;
 mod materials;
 mod textures;

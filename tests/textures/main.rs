@@ -25,7 +25,7 @@ use emlt::reference::rng;
 use emlt::scene::{Features, LUMINANCE, Scene, Texture};
 use glam::{DVec2, DVec3, Vec4};
 use renders::{render, replicates, settings};
-use room::{layered_room, lit_room, room, veiled_room};
+use room::{layered_room, lit_room, room, unlit_wall, veiled_room};
 
 /// What shaders/passes/surface_probe.wesl tells of points of a scene.
 fn probe(scene: &Scene, points: &[[u32; 4]]) -> Vec<[[f32; 4]; 4]> {
@@ -178,6 +178,19 @@ fn b_is_that_of_path_tracing() {
 #[test]
 fn b_with_layers_is_that_of_path_tracing() {
     check_b(&[layered_room()], 512);
+}
+
+/// What is unlit has its colour, whatever shines on it, also behind.
+#[test]
+fn unlit_is_its_colour() {
+    for method in [Pt, Mlt] {
+        let scene = unlit_wall();
+        let image = render(&scene, &settings(method, [8, 6], 256)).image;
+        let mean = image.pixels.iter().map(|p| DVec3::from(p.map(f64::from))).sum::<DVec3>() / image.pixels.len() as f64;
+        let expected = scene.materials[0].emission.as_dvec3();
+        // The chains' colours are exact, and b of what is seen alone has no noise either.
+        assert!((mean / expected - 1.0).abs().max_element() < 1e-3, "{}: {mean}", method.name());
+    }
 }
 
 fn check_b(scenes: &[Scene], samples: u32) {

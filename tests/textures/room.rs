@@ -107,7 +107,7 @@ pub fn lit_room() -> Scene {
 }
 
 /// The room with layers: clear coats, smooth over the floor, uneven and bumpy over the walls, on the lamp, and on a block
-/// of dark metal brushed unevenly; sheen on the walls and on a cloth.
+/// of dark metal brushed unevenly; sheen on the walls and on a cloth; an unlit picture.
 pub fn layered_room() -> Scene {
     let mut scene = room();
     scene.name = "layered room".into();
@@ -126,8 +126,22 @@ pub fn layered_room() -> Scene {
     let cloth = Material { metallic: 0.0, base_color: vec3(0.1, 0.2, 0.4), ..Material::default() };
     let sheen = Sheen { color: vec3(0.9, 0.9, 0.5), roughness: 0.3 };
     scene.materials.extend([dark, Material { name: "cloth".into(), sheen, ..cloth }]);
+    // And a picture that nothing lights.
+    let mut picture = Material {
+        name: "picture".into(),
+        unlit: true,
+        double_sided: true,
+        base_color: Vec3::ZERO,
+        emission: vec3(0.8, 0.9, 1.0),
+        vertex_colored: true,
+        ..scene.materials[2].clone()
+    };
+    picture.coat = Coat::default();
+    picture.textures.emissive = Some(texture(0, true));
+    scene.materials.push(picture);
     block(&mut scene, vec3(-0.7, 0.05, -0.7), 0.6, 3);
     quad(&mut scene, vec3(0.0, 0.2, 0.5), vec3(0.9, 0.0, 0.3), 0.9 * Vec3::Y, 4);
+    quad(&mut scene, vec3(0.1, 0.9, -0.6), 0.5 * Vec3::X, vec3(0.0, 0.5, 0.2), 5);
     scene
 }
 
@@ -163,6 +177,23 @@ pub fn veiled_room() -> Scene {
     block(&mut scene, vec3(-0.7, 0.05, -0.7), 0.6, 5);
     quad(&mut scene, vec3(-0.9, 0.1, 0.1), Vec3::X, 1.1 * Vec3::Y, 3);
     quad(&mut scene, vec3(0.0, 0.2, 0.5), vec3(0.9, 0.0, 0.3), 1.2 * Vec3::Y, 4);
+    scene
+}
+
+/// Nothing but a wall whose colour is its radiance, seen from behind, before a bright sky.
+pub fn unlit_wall() -> Scene {
+    let mut scene = Scene { name: "unlit wall".into(), cameras: room().cameras, ..Scene::default() };
+    scene.materials.push(Material {
+        unlit: true,
+        double_sided: true,
+        base_color: Vec3::ZERO,
+        metallic: 0.0,
+        specular: 0.0,
+        emission: vec3(0.7, 0.2, 0.4),
+        ..Material::default()
+    });
+    scene.environment = Some(Environment { width: 2, height: 1, pixels: vec![[5.0; 3]; 2] });
+    quad(&mut scene, vec3(9.0, -9.0, 0.0), -18.0 * Vec3::X, 18.0 * Vec3::Y, 0);
     scene
 }
 

@@ -6,6 +6,7 @@ use gltf::json::Value;
 use gltf::json::material::AlphaMode as FileAlpha;
 use gltf::json::validation::Checked;
 
+use super::glossiness;
 use super::notes::{Feature, MATERIAL_EXTENSIONS, Notes};
 use super::texture::Reader;
 use crate::scene::{Image, Material};
@@ -63,20 +64,28 @@ pub fn convert(material: &json::Material, raw: &Value, colored: bool, mut reader
             _ => AlphaMode::Opaque,
         },
         vertex_colored: colored,
+        unlit: false,
         coat: coat(raw),
         sheen: sheen(raw),
         anisotropy: anisotropy(raw),
         textures: Textures::default(),
         mapped_alpha: None,
     };
-    if extensions.is_some_and(|e| e.unlit.is_some()) {
-        reader.notes.add(Feature::Unlit, index);
+    let unlit = extensions.is_some_and(|e| e.unlit.is_some());
+    if glossiness::given(raw) {
+        converted = glossiness::factors(converted, raw);
+    }
+    if unlit {
+        // Its radiance is its colour in all directions; it scatters nothing.
         converted = Material {
+            unlit: true,
+            double_sided: true,
+            emission: converted.base_color.clamp(Vec3::ZERO, Vec3::ONE),
+            base_color: Vec3::ZERO,
             metallic: 0.0,
             roughness: 1.0,
             specular: 0.0,
             transmission: 0.0,
-            emission: Vec3::ZERO,
             coat: Coat::default(),
             sheen: Sheen::default(),
             anisotropy: Anisotropy::default(),
@@ -119,6 +128,11 @@ fn textures(material: &mut Material, raw: &Value, reader: &mut Reader) -> Result
     };
     let specular = material.specular > 0.0;
     let colored = material.base_color != Vec3::ZERO || material.alpha_mode != AlphaMode::Opaque;
+    let base_texture = if glossiness::given(raw) {
+        "/extensions/KHR_materials_pbrSpecularGlossiness/diffuseTexture"
+    } else {
+        "/pbrMetallicRoughness/baseColorTexture"
+    };
     let extension = |name: &str| format!("/extensions/KHR_materials_{name}");
     let scale = |pointer: &str| {
         let scale = raw.pointer(&format!("{pointer}/scale")).and_then(Value::as_f64);
@@ -126,9 +140,9 @@ fn textures(material: &mut Material, raw: &Value, reader: &mut Reader) -> Result
     };
     let coat_normal = extension("clearcoat") + "/clearcoatNormalTexture";
     material.textures = Textures {
-        base_color: read("/pbrMetallicRoughness/baseColorTexture", true, colored)?,
+        base_color: read(base_texture, true, colored)?,
         metallic_roughness: read("/pbrMetallicRoughness/metallicRoughnessTexture", false, material.is_specular())?,
-        emissive: read("/emissiveTexture", true, material.emits())?,
+        emissive: read(if material.unlit { base_texture } else { "/emissiveTexture" }, true, material.emits())?,
         normal: read("/normalTexture", false, true)?.map(|texture| (texture, scale("/normalTexture"))),
         transmission: read(&(extension("transmission") + "/transmissionTexture"), false, material.transmission > 0.0)?,
         specular: read(&(extension("specular") + "/specularTexture"), false, specular)?,
@@ -140,6 +154,10 @@ fn textures(material: &mut Material, raw: &Value, reader: &mut Reader) -> Result
         sheen_roughness: read(&(extension("sheen") + "/sheenRoughnessTexture"), false, fibres)?,
         anisotropy: read(&(extension("anisotropy") + "/anisotropyTexture"), false, stretched)?,
     };
+    if glossiness::given(raw) && !material.unlit {
+        material.textures.metallic_roughness = None;
+        glossiness::textures(material, raw, reader)?;
+    }
     let images = &reader.images.images;
     if let Some(texture) = &material.textures.metallic_roughness {
         material.mapped_alpha = Some(mapped_alpha(&images[texture.image as usize], material.roughness));
@@ -159,7 +177,7 @@ fn textures(material: &mut Material, raw: &Value, reader: &mut Reader) -> Result
 }
 
 /// Mean and largest alpha over the texels, whose green is multiplied with `roughness`.
-fn mapped_alpha(image: &Image, roughness: f32) -> [f32; 2] {
+pub(super) fn mapped_alpha(image: &Image, roughness: f32) -> [f32; 2] {
     let (mut sum, mut most) = (0.0, 0u8);
     for texel in &image.texels {
         let [_, green, ..] = texel.to_le_bytes();
@@ -172,7 +190,7 @@ fn mapped_alpha(image: &Image, roughness: f32) -> [f32; 2] {
 }
 
 /// A number in a material's extension, `default` where it does not say.
-fn number(raw: &Value, pointer: &str, default: f32) -> f32 {
+pub(super) fn number(raw: &Value, pointer: &str, default: f32) -> f32 {
     raw.pointer(pointer).and_then(Value::as_f64).map_or(default, |value| value as f32)
 }
 

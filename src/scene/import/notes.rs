@@ -11,8 +11,6 @@ pub enum Feature {
     ManyCoordinates,
     /// Materials.
     GlassAlpha,
-    /// Materials.
-    Unlit,
     /// Materials with an extension of this name.
     MaterialExtension(&'static str),
     /// Meshes.
@@ -22,11 +20,10 @@ pub enum Feature {
 }
 
 /// Extensions that add something to a material that the renderer does not have yet, and what they add.
-pub const MATERIAL_EXTENSIONS: [(&str, &str); 5] = [
+pub const MATERIAL_EXTENSIONS: [(&str, &str); 4] = [
     ("KHR_materials_diffuse_transmission", "Diffuse transmission"),
     ("KHR_materials_dispersion", "Dispersion"),
     ("KHR_materials_iridescence", "Iridescence"),
-    ("KHR_materials_pbrSpecularGlossiness", "Specular-glossiness"),
     ("KHR_materials_subsurface", "Subsurface scattering"),
 ];
 
@@ -63,9 +60,6 @@ impl Notes {
                 }
                 Feature::GlassAlpha => {
                     format!("Alpha blending of glass (alphaMode BLEND with transmission) is ignored in {materials}.")
-                }
-                Feature::Unlit => {
-                    format!("Unlit materials are not supported: {materials} rendered as matt ones.")
                 }
                 Feature::MaterialExtension(name) => {
                     let what = MATERIAL_EXTENSIONS.iter().find(|(key, _)| *key == name).map_or(name, |(_, what)| what);
