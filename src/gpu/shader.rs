@@ -250,6 +250,8 @@ mod tests {
             Features { textured: true, blended: true, masked: true, ..Features::default() },
             Features { coated: true, ..Features::default() },
             Features { sheen: true, ..Features::default() },
+            Features { orthographic: true, ..Features::default() },
+            Features { orthographic: true, mixed: true, ..Features::default() },
             Features {
                 textured: true,
                 vertex_colored: true,

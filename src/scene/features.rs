@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::Scene;
+use super::{Camera, Scene};
 use super::light::LightKind;
 use super::material::{AlphaMode, GLOSSY_AS_SPECULAR_ALPHA};
 
@@ -19,6 +19,8 @@ pub struct Features {
     pub rough_glass: bool,
     /// Some specular lobe is not a delta but narrow ([`GLOSSY_AS_SPECULAR_ALPHA`]).
     pub narrow: bool,
+    /// The camera is orthographic; not known from the scene, which may have several.
+    pub orthographic: bool,
     /// Light comes from infinitely far: from a sky, an environment or a direction.
     pub sky: bool,
     /// Other light than that of emissive triangles alone, or of a uniform sky alone.
@@ -109,6 +111,11 @@ impl Features {
         features
     }
 
+    /// The same for what `camera` sees.
+    pub fn seen_by(self, camera: &Camera) -> Self {
+        Self { orthographic: camera.orthographic_height.is_some(), ..self }
+    }
+
     /// Whether materials have more than factors: rows of textures and coverage.
     pub fn extended(&self) -> bool {
         self.textured || self.masked || self.blended || self.absorbing || self.has_layer_rows()
@@ -125,13 +132,14 @@ impl Features {
     }
 
     /// Every flag with its name, as the shaders call it.
-    pub fn flags(&self) -> [(&'static str, bool); 23] {
+    pub fn flags(&self) -> [(&'static str, bool); 24] {
         [
             ("glossy", self.glossy),
             ("mirror", self.mirror),
             ("glass", self.glass),
             ("rough_glass", self.rough_glass),
             ("narrow", self.narrow),
+            ("orthographic", self.orthographic),
             ("sky", self.sky),
             ("mixed", self.mixed),
             ("environment", self.environment),

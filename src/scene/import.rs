@@ -151,8 +151,7 @@ impl<'a> Importer<'a> {
         let name = name.map_or_else(|| format!("camera {}", self.scene.cameras.len()), str::to_string);
         let called = format!("{path} ('{name}')");
         match camera::convert(json, self.unused_camera_name(name), world_from_node) {
-            Ok(Some(camera)) => self.scene.cameras.push(camera),
-            Ok(None) => self.notes.add(Feature::Orthographic, index),
+            Ok(camera) => self.scene.cameras.push(camera),
             Err(why) => return Err(format!("{called}: {why}")),
         }
         Ok(())
@@ -298,7 +297,7 @@ impl<'a> Importer<'a> {
         }
         if scene.cameras.is_empty() {
             scene.cameras.push(camera::framed(&scene));
-            scene.warnings.push("The file has no perspective camera: one that sees the whole scene is added.".into());
+            scene.warnings.push("The file has no camera: one that sees the whole scene is added.".into());
         }
         Ok(scene)
     }

@@ -46,7 +46,7 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// What the materials' textures show.
     pub images: Vec<Image>,
-    /// The file's perspective cameras; never empty after import (a framed one is made).
+    /// The file's cameras; never empty after import (a framed one is made).
     pub cameras: Vec<Camera>,
     /// Radiance of a uniform sky around the scene (linear Rec.709); set only where the file has no light at all.
     pub sky: Option<Vec3>,

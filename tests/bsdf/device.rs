@@ -44,7 +44,8 @@ impl<'a> Device<'a> {
             ..Scene::default()
         };
         let world_from_camera = glam::Affine3A::IDENTITY;
-        let camera = Camera { name: "none".into(), world_from_camera, vertical_fov: 1.0, aspect: None };
+        let name = "none".into();
+        let camera = Camera { name, world_from_camera, vertical_fov: 1.0, orthographic_height: None, aspect: None };
         let data = SceneData::with_threshold(&scene, &camera, 4, 4, threshold).unwrap();
         let sizes = Sizes { chains: 48 * ENTRIES as u64, lists: 16, output: 32 * ENTRIES as u64, counters: 256 };
         Self { run: Run::new(context, &data, sizes).unwrap(), features: Features::with_threshold(&scene, threshold) }

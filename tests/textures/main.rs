@@ -25,7 +25,7 @@ use emlt::reference::rng;
 use emlt::scene::{Features, LUMINANCE, Scene, Texture};
 use glam::{DVec2, DVec3, Vec4};
 use renders::{render, replicates, settings};
-use room::{layered_room, lit_room, room, unlit_wall, veiled_room};
+use room::{layered_room, lit_room, orthographic_room, room, unlit_wall, veiled_room};
 
 /// What shaders/passes/surface_probe.wesl tells of points of a scene.
 fn probe(scene: &Scene, points: &[[u32; 4]]) -> Vec<[[f32; 4]; 4]> {
@@ -180,6 +180,11 @@ fn b_with_layers_is_that_of_path_tracing() {
     check_b(&[layered_room()], 512);
 }
 
+#[test]
+fn b_of_an_orthographic_camera_is_that_of_path_tracing() {
+    check_b(&[orthographic_room()], 512);
+}
+
 /// What is unlit has its colour, whatever shines on it, also behind.
 #[test]
 fn unlit_is_its_colour() {
@@ -244,4 +249,16 @@ fn long_layered_room_by_mlt() {
 #[ignore = "takes minutes; ./run test --long"]
 fn long_layered_room_by_emlt() {
     against_path_tracing(&layered_room(), Emlt, 16, Power { film: 0.05, tile: 0.5 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_orthographic_room_by_mlt() {
+    against_path_tracing(&orthographic_room(), Mlt, 16, Power { film: 0.05, tile: 0.5 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_orthographic_room_by_emlt() {
+    against_path_tracing(&orthographic_room(), Emlt, 16, Power { film: 0.05, tile: 0.5 });
 }

@@ -73,6 +73,7 @@ pub fn room() -> Scene {
             name: "front".into(),
             world_from_camera: Affine3A::from_translation(vec3(0.0, 1.0, 3.2)),
             vertical_fov: 0.8,
+            orthographic_height: None,
             aspect: None,
         }],
         ..Scene::default()
@@ -177,6 +178,15 @@ pub fn veiled_room() -> Scene {
     block(&mut scene, vec3(-0.7, 0.05, -0.7), 0.6, 5);
     quad(&mut scene, vec3(-0.9, 0.1, 0.1), Vec3::X, 1.1 * Vec3::Y, 3);
     quad(&mut scene, vec3(0.0, 0.2, 0.5), vec3(0.9, 0.0, 0.3), 1.2 * Vec3::Y, 4);
+    scene
+}
+
+/// The room with a veil and glass, by an orthographic camera beside which the sky is seen.
+pub fn orthographic_room() -> Scene {
+    let mut scene = veiled_room();
+    scene.name = "orthographic room".into();
+    scene.cameras[0].orthographic_height = Some(2.4);
+    scene.cameras[0].world_from_camera = Affine3A::from_rotation_y(0.2) * scene.cameras[0].world_from_camera;
     scene
 }
 

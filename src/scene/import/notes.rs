@@ -15,8 +15,6 @@ pub enum Feature {
     MaterialExtension(&'static str),
     /// Meshes.
     PointsOrLines,
-    /// Cameras.
-    Orthographic,
 }
 
 /// Extensions that add something to a material that the renderer does not have yet, and what they add.
@@ -67,9 +65,6 @@ impl Notes {
                 }
                 Feature::PointsOrLines => {
                     format!("Points and lines are not rendered: left out of {meshes}.")
-                }
-                Feature::Orthographic => {
-                    format!("Orthographic cameras are not supported: {} left out.", counted(n as u64, "camera"))
                 }
             };
             sentences.push(sentence);
