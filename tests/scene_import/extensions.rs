@@ -85,13 +85,21 @@ fn unlit_is_radiance_of_both_sides() {
     assert!(!warned(&scene, "nlit mat"), "{:?}", scene.warnings);
 }
 
-#[test]
-fn an_image_based_light_surrounds_the_scene() {
-    // Brightness 4, as RGBD.
+/// A scene in a white environment of brightness 2.
+pub fn image_lit() -> Doc {
+    // 4, as RGBD.
     let mut doc = textured(&png_bytes(1, &[[255, 255, 255, 64]]), json!({}));
     let light = json!({ "intensity": 0.5, "rotation": [0, 1, 0, 1], "irradianceCoefficients": [],
         "specularImages": [[0, 0, 0, 0, 0, 0]], "specularImageSize": 1 });
     doc.json["extensions"] = json!({ "EXT_lights_image_based": { "lights": [light] } });
+    doc.json["scenes"][0]["extensions"] = json!({ "EXT_lights_image_based": { "light": 0 } });
+    doc
+}
+
+#[test]
+fn an_image_based_light_surrounds_the_scene() {
+    let mut doc = image_lit();
+    doc.json["scenes"][0]["extensions"] = json!({});
     assert!(doc.scene().environment.is_none(), "no scene names the light");
     doc.json["scenes"][0]["extensions"] = json!({ "EXT_lights_image_based": { "light": 0 } });
     let scene = doc.scene();
