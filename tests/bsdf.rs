@@ -104,7 +104,14 @@ const SAMPLES: usize = 1 << 19;
 
 /// chi^2 of the directions and tags sampled for `w_in` against the density that evaluation states, over bins of the
 /// sphere, and its degrees of freedom. Samples that are absorbed fill a bin of their own.
-fn chi_square(device: &mut Device, material: usize, ns: DVec3, w_in: DVec3, tags: &[u32]) -> (f64, f64) {
+fn chi_square(
+    device: &mut Device,
+    material: usize,
+    ns: DVec3,
+    w_in: DVec3,
+    tags: &[u32],
+    fineness: usize,
+) -> (f64, f64) {
     let samples = device.sample(material, ns, w_in, SAMPLES);
     let bins = ROWS * COLUMNS;
     let mut counts = vec![0f64; tags.len() * bins];
@@ -114,21 +121,21 @@ fn chi_square(device: &mut Device, material: usize, ns: DVec3, w_in: DVec3, tags
         let column = ((w.y.atan2(w.x) / (2.0 * PI) + 0.5) * COLUMNS as f64) as usize % COLUMNS;
         counts[class * bins + row * COLUMNS + column] += 1.0;
     }
-    let (rows, columns) = (ROWS * POINTS, COLUMNS * POINTS);
+    let (rows, columns) = (ROWS * fineness, COLUMNS * fineness);
     let solid_angle = 4.0 * PI / (rows * columns) as f64;
     let mut expected = vec![0f64; tags.len() * bins];
     for (class, &tag) in tags.iter().enumerate() {
         for band in 0..ROWS {
-            let points: Vec<_> = (0..POINTS * columns)
+            let points: Vec<_> = (0..fineness * columns)
                 .map(|n| {
-                    let z = 2.0 * ((band * POINTS + n / columns) as f64 + 0.5) / rows as f64 - 1.0;
+                    let z = 2.0 * ((band * fineness + n / columns) as f64 + 0.5) / rows as f64 - 1.0;
                     let phi = 2.0 * PI * (((n % columns) as f64 + 0.5) / columns as f64 - 0.5);
                     (spherical(z, phi), w_in, tag)
                 })
                 .collect();
             let first = class * bins + band * COLUMNS;
             for (n, e) in device.evaluate(material, ns, &points).iter().enumerate() {
-                expected[first + n % columns / POINTS] += e.pdf_to_light * solid_angle * SAMPLES as f64;
+                expected[first + n % columns / fineness] += e.pdf_to_light * solid_angle * SAMPLES as f64;
             }
         }
     }
@@ -158,12 +165,23 @@ fn check_samples(materials: &[Material], threshold: f32, tags: &[u32]) {
     for (index, material) in materials.iter().enumerate() {
         for (n, w_in) in directions().into_iter().enumerate() {
             let ns = if n % 3 == 1 { tilted } else { DVec3::Z };
-            let (chi2, dof) = chi_square(&mut device, index, ns, w_in, tags);
-            let p = chi_square_tail(chi2, dof);
-            println!("{}, {w_in:.2}: chi2 {chi2:.0} of {dof}, p {p:.2e}", material.name);
-            assert!(p > 1e-5, "{} for {w_in}: p {p}", material.name);
+            check_chi_square(&mut device, index, material, (ns, w_in), tags, POINTS);
         }
     }
+}
+
+fn check_chi_square(
+    device: &mut Device,
+    index: usize,
+    material: &Material,
+    (ns, w_in): (DVec3, DVec3),
+    tags: &[u32],
+    fineness: usize,
+) {
+    let (chi2, dof) = chi_square(device, index, ns, w_in, tags, fineness);
+    let p = chi_square_tail(chi2, dof);
+    println!("{}, {w_in:.2}: chi2 {chi2:.0} of {dof}, p {p:.2e}", material.name);
+    assert!(p > 1e-5, "{} for {w_in}: p {p}", material.name);
 }
 
 #[test]

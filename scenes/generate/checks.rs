@@ -97,7 +97,8 @@ pub fn layered_box() -> Document {
     let orange = scene.material(Material::lambert("orange", [0.75, 0.3, 0.08]));
     let blue = scene.material(Material::lambert("blue", [0.1, 0.25, 0.65]));
     let green = scene.material(Material::lambert("green", [0.25, 0.5, 0.2]));
-    let coat = |factor: f64, roughness: f64| json!({ "clearcoatFactor": factor, "clearcoatRoughnessFactor": roughness });
+    let coat =
+        |factor: f64, roughness: f64| json!({ "clearcoatFactor": factor, "clearcoatRoughnessFactor": roughness });
     let (coated, brushed) = ("KHR_materials_clearcoat", "KHR_materials_anisotropy");
     let lamp = Material::lamp("lamp", [1.0, 0.85, 0.6], 5.0).with(coated, coat(0.5, 0.5));
     let lamp = scene.material(lamp);
@@ -111,7 +112,8 @@ pub fn layered_box() -> Document {
     let wide = copper(0.4).with(brushed, grain(0.7)).with(coated, coat(1.0, 0.5));
     let glass = Material::rough_glass("rose glass", [0.95, 0.7, 0.75], 1.5, 0.22).with(coated, coat(0.7, 0.3));
     let cloth = Material::lambert("cloth", [0.2, 0.25, 0.5]).with("KHR_materials_sheen", sheen.clone());
-    let waxed = Material::lambert("waxed", [0.2, 0.4, 0.2]).with("KHR_materials_sheen", sheen).with(coated, coat(1.0, 0.1));
+    let waxed =
+        Material::lambert("waxed", [0.2, 0.4, 0.2]).with("KHR_materials_sheen", sheen).with(coated, coat(1.0, 0.1));
     let [plate, narrow, wide, glass, cloth, waxed] =
         [plate, narrow, wide, glass, cloth, waxed].map(|material| scene.material(material));
     let floor = quad(Vec3::new(-0.9, 0.01, -0.9), Vec3::Z * 2.4, Vec3::X * 1.8);

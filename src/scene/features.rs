@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use super::{Camera, Scene};
 use super::light::LightKind;
 use super::material::{AlphaMode, GLOSSY_AS_SPECULAR_ALPHA};
+use super::{Camera, Scene};
 
 /// One flag per optional part of the shaders; each is a condition of the same name there.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]

@@ -140,7 +140,8 @@ impl Textures {
 
     /// Those of its layers but the normals, and of anisotropy, in the order that follows there.
     pub fn layer_slots(&self) -> [Option<&Texture>; 5] {
-        [&self.coat, &self.coat_roughness, &self.sheen_color, &self.sheen_roughness, &self.anisotropy].map(Option::as_ref)
+        [&self.coat, &self.coat_roughness, &self.sheen_color, &self.sheen_roughness, &self.anisotropy]
+            .map(Option::as_ref)
     }
 
     /// Normals, of the material and of its coat.
@@ -231,7 +232,8 @@ impl Material {
 
     /// Which of the vertices' coordinates its tangents follow; None where it needs no tangents.
     pub fn tangent_slot(&self) -> Option<usize> {
-        let anisotropic = (self.anisotropy.strength > 0.0).then(|| self.textures.anisotropy.as_ref().map_or(0, |t| t.slot));
+        let anisotropic =
+            (self.anisotropy.strength > 0.0).then(|| self.textures.anisotropy.as_ref().map_or(0, |t| t.slot));
         self.textures.normals().next().map(|texture| texture.slot).or(anisotropic)
     }
 

@@ -88,7 +88,13 @@ mod tests {
 
     fn orbit() -> Orbit {
         let world_from_camera = Affine3A::from_translation(Vec3::new(0.0, 0.0, 4.0));
-        let base = Camera { name: "Main".into(), world_from_camera, vertical_fov: 1.0, orthographic_height: None, aspect: None };
+        let base = Camera {
+            name: "Main".into(),
+            world_from_camera,
+            vertical_fov: 1.0,
+            orthographic_height: None,
+            aspect: None,
+        };
         Orbit::new(base, (Vec3::ZERO, 1.0))
     }
 

@@ -19,36 +19,49 @@ fn coated() -> Vec<Material> {
     vec![
         Material { base_color: rose, coat: coat(1.0, 0.2), ..matt("coat on rose") },
         Material { base_color: Vec3::ZERO, coat: coat(0.6, 0.3), ..matt("coat on black") },
-        Material { coat: coat(0.8, 0.15), metallic: 1.0, ..Material { name: "coat on metal".into(), ..glass(0.0) } },
+        Material { base_color: rose, metallic: 1.0, roughness: 0.5, coat: coat(0.8, 0.15), ..matt("coat on metal") },
         Material { coat: coat(1.0, 0.4), base_color: rose, ..Material { name: "coat on glass".into(), ..glass(0.3) } },
     ]
 }
 
-/// Metal is opaque; [`coated`]'s is made of glass's parameters.
-fn coated_opaque() -> Vec<Material> {
-    let mut materials = coated();
-    materials[2] = Material { transmission: 0.0, thin: true, roughness: 0.5, ..materials[2].clone() };
-    materials
+/// chi^2 as for the materials without layers; opaque ones are the same on either side, and have no density that jumps.
+fn check_layers(materials: &[Material], threshold: f32) {
+    let context = context();
+    let mut device = Device::new(&context, materials, threshold);
+    let tilted = DVec3::new(0.2, -0.1, 1.0).normalize();
+    for (index, material) in materials.iter().enumerate() {
+        let clear = material.transmission > 0.0;
+        let tags = match (threshold > 0.0, clear) {
+            (false, _) => &[TAG_DIFFUSE][..],
+            (true, false) => &[TAG_DIFFUSE, TAG_REFLECT],
+            (true, true) => &[TAG_DIFFUSE, TAG_REFLECT, TAG_TRANSMIT],
+        };
+        let shown = directions().into_iter().enumerate().filter(|(n, _)| if clear { n % 3 == 1 } else { *n < 3 });
+        for (n, w_in) in shown {
+            let ns = if n == 1 { tilted } else { DVec3::Z };
+            check_chi_square(&mut device, index, material, (ns, w_in), tags, if clear { POINTS } else { 12 });
+        }
+    }
 }
 
 #[test]
 fn samples_of_coats_have_their_density() {
-    check_samples(&coated_opaque(), 0.0, &[TAG_DIFFUSE]);
+    check_layers(&coated(), 0.0);
 }
 
 #[test]
 fn samples_of_narrow_coats_have_their_density() {
-    check_samples(&coated_opaque(), f32::INFINITY, &[TAG_DIFFUSE, TAG_REFLECT, TAG_TRANSMIT]);
+    check_layers(&coated(), f32::INFINITY);
 }
 
 #[test]
 fn classes_of_coats_add_up() {
-    check_classes(&coated_opaque());
+    check_classes(&coated());
 }
 
 #[test]
 fn coats_are_reciprocal() {
-    check_reciprocity(&coated_opaque());
+    check_reciprocity(&coated());
 }
 
 /// Under a coat of any roughness, white stays at most white, and under a smooth one over a mirror or matt white it hardly
@@ -57,7 +70,7 @@ fn coats_are_reciprocal() {
 fn coats_make_no_energy() {
     let mirror = |alpha| Material { metallic: 1.0, roughness: 0.05, coat: coat(1.0, alpha), ..matt("coat on mirror") };
     let white = |alpha| Material { coat: coat(1.0, alpha), ..matt("coat on white") };
-    let alphas = [0.0, 0.05, 0.2, 0.5, 1.0];
+    let alphas = [0.0, 0.05, 0.3, 1.0];
     let materials: Vec<_> = alphas.into_iter().flat_map(|alpha| [mirror(alpha), white(alpha)]).collect();
     for (material, albedos) in materials.iter().zip(albedos(&materials)) {
         for (camera, mean, error) in albedos {
@@ -86,7 +99,7 @@ fn schlick(cosine: f64) -> f64 {
 #[test]
 fn coats_are_their_twins() {
     let context = context();
-    let materials = &coated_opaque()[..2];
+    let materials = &coated()[..2];
     let mut device = Device::new(&context, materials, 0.0);
     for (index, material) in materials.iter().enumerate() {
         let pairs = pairs(&mut device, index, 20_000);
@@ -131,12 +144,12 @@ fn sheens_and_grains() -> Vec<Material> {
 
 #[test]
 fn samples_of_sheen_and_grain_have_their_density() {
-    check_samples(&sheens_and_grains(), 0.0, &[TAG_DIFFUSE]);
+    check_layers(&sheens_and_grains(), 0.0);
 }
 
 #[test]
 fn samples_of_narrow_grain_have_their_density() {
-    check_samples(&sheens_and_grains()[2..], f32::INFINITY, &[TAG_DIFFUSE, TAG_REFLECT, TAG_TRANSMIT]);
+    check_layers(&sheens_and_grains()[2..], f32::INFINITY);
 }
 
 #[test]
@@ -158,7 +171,8 @@ fn sheen_and_grain_make_no_energy() {
         anisotropy: Anisotropy { strength: 0.8, rotation: 0.3 },
         ..matt("brushed white")
     };
-    let materials: Vec<_> = [0.0, 0.1, 0.2, 0.4, 0.7, 1.0].map(white).into_iter().chain([0.01, 0.2].map(brushed)).collect();
+    let materials: Vec<_> =
+        [0.0, 0.1, 0.3, 1.0].map(white).into_iter().chain([0.01, 0.2].map(brushed)).collect();
     for (material, albedos) in materials.iter().zip(albedos(&materials)) {
         for (camera, mean, error) in albedos {
             println!("{}, {camera:.2}: albedo {mean:.4} +- {error:.4}", material.name);

@@ -93,7 +93,16 @@ fn damage_json(random: &mut Random, json: &mut Value) {
         },
         1 => *json.pointer_mut(&path).unwrap() = other,
         2 => {
-            let made = [json!(null), json!("x"), json!([]), json!({}), json!(true), json!([[[[]]]]), json!("data:,"), json!("")];
+            let made = [
+                json!(null),
+                json!("x"),
+                json!([]),
+                json!({}),
+                json!(true),
+                json!([[[[]]]]),
+                json!("data:,"),
+                json!(""),
+            ];
             *json.pointer_mut(&path).unwrap() = random.pick(&made).clone();
         }
         3 => match json.pointer_mut(parent) {
@@ -213,7 +222,15 @@ fn whole() -> Vec<Doc> {
     morphed.json["meshes"][mesh]["weights"] = json!([0.5]);
     morphed.root(json!({ "mesh": mesh, "weights": [0.25] }));
 
-    vec![everything, glossy, lights, morphed, image_lit(), compression::meshopt(), compression::draco_doc(&compression::draco(1, Some(14)))]
+    vec![
+        everything,
+        glossy,
+        lights,
+        morphed,
+        image_lit(),
+        compression::meshopt(),
+        compression::draco_doc(&compression::draco(1, Some(14))),
+    ]
 }
 
 /// Case `n`: a file and its name's end.

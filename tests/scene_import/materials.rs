@@ -49,7 +49,9 @@ fn unsupported_material_features_are_said_once() {
 fn coats_are_read_and_have_no_deltas() {
     let smooth = json!({ "metallicFactor": 1, "roughnessFactor": 0 });
     let coated = |coat: Value| {
-        with_material(json!({ "pbrMetallicRoughness": smooth.clone(), "extensions": { "KHR_materials_clearcoat": coat } }))
+        with_material(
+            json!({ "pbrMetallicRoughness": smooth.clone(), "extensions": { "KHR_materials_clearcoat": coat } }),
+        )
     };
     let scene = coated(json!({ "clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.8 })).scene();
     let m = &scene.materials[0];

@@ -191,7 +191,8 @@ fn unlit_is_its_colour() {
     for method in [Pt, Mlt] {
         let scene = unlit_wall();
         let image = render(&scene, &settings(method, [8, 6], 256)).image;
-        let mean = image.pixels.iter().map(|p| DVec3::from(p.map(f64::from))).sum::<DVec3>() / image.pixels.len() as f64;
+        let mean =
+            image.pixels.iter().map(|p| DVec3::from(p.map(f64::from))).sum::<DVec3>() / image.pixels.len() as f64;
         let expected = scene.materials[0].emission.as_dvec3();
         // The chains' colours are exact, and b of what is seen alone has no noise either.
         assert!((mean / expected - 1.0).abs().max_element() < 1e-3, "{}: {mean}", method.name());

@@ -121,7 +121,8 @@ pub fn layered_room() -> Scene {
     scene.materials[2].coat = coat(0.7, 0.6);
     scene.materials[1].sheen = Sheen { color: vec3(0.8, 0.7, 1.0), roughness: 0.9 };
     scene.materials[1].textures.sheen_color = Some(texture(0, true));
-    let dark = Material { name: "block".into(), base_color: vec3(0.2, 0.1, 0.3), roughness: 0.2, ..Material::default() };
+    let dark =
+        Material { name: "block".into(), base_color: vec3(0.2, 0.1, 0.3), roughness: 0.2, ..Material::default() };
     let mut dark = Material { coat: coat(1.0, 0.25), anisotropy: Anisotropy { strength: 0.7, rotation: 0.5 }, ..dark };
     dark.textures.anisotropy = Some(texture(0, false));
     let cloth = Material { metallic: 0.0, base_color: vec3(0.1, 0.2, 0.4), ..Material::default() };

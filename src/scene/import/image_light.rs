@@ -110,7 +110,8 @@ mod tests {
     #[test]
     fn faces_lie_where_the_extension_has_them() {
         let colors = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 0], [0, 255, 255], [255, 0, 255]];
-        let face = |[r, g, b]: [u8; 3]| Image { width: 4, height: 4, texels: vec![u32::from_le_bytes([r, g, b, 51]); 16] };
+        let face =
+            |[r, g, b]: [u8; 3]| Image { width: 4, height: 4, texels: vec![u32::from_le_bytes([r, g, b, 51]); 16] };
         let cube = colors.map(face);
         let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
         for (axis, color) in axes.into_iter().zip(colors) {

@@ -9,8 +9,8 @@ use gltf::json::validation::Checked;
 use super::glossiness;
 use super::notes::{Feature, MATERIAL_EXTENSIONS, Notes};
 use super::texture::Reader;
-use crate::scene::{Image, Material};
 use crate::scene::material::{AlphaMode, Anisotropy, Coat, Sheen, Textures};
+use crate::scene::{Image, Material};
 
 /// Whether light passes a transmissive material refracted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
