@@ -4,8 +4,8 @@
 use glam::{Vec2, Vec3, Vec4};
 
 use super::layout::{EXTENDED_ROWS, LAYERED_ROWS, MATERIAL_ROWS};
+use crate::scene::albedo::{COAT_ALBEDO, SHEEN_ALBEDO};
 use crate::scene::material::AlphaMode;
-use crate::scene::sheen::SHEEN_ALBEDO;
 use crate::scene::texture::{SRGB, Texture, Wrap};
 use crate::scene::{Features, Material, Scene};
 
@@ -20,7 +20,7 @@ pub fn encode_octahedral(n: Vec3) -> u32 {
     snorm(x) | (snorm(y) << 16)
 }
 
-/// The rows of all materials, and the rows of their textures and of sheen's table, which lie in the same table after
+/// The rows of all materials, and the rows of their textures and of layers' albedos, which lie in the same table after
 /// `lights` more.
 pub fn materials(scene: &Scene, features: Features, threshold: f32, lights: usize) -> (Vec<[u32; 4]>, Vec<[u32; 4]>) {
     let mut rows = Vec::new();
@@ -72,12 +72,18 @@ pub fn materials(scene: &Scene, features: Features, threshold: f32, lights: usiz
             rows.push([stretch, normal, 0, 0]);
         }
     }
-    if features.sheen {
+    let mut add = |word: usize, albedo: &[f32]| {
         let table = (first_texture + textures.len()) as u32;
         for row in rows.chunks_exact_mut(rows_each) {
-            row[rows_each - 1][2] = table;
+            row[rows_each - 1][word] = table;
         }
-        textures.extend(SHEEN_ALBEDO.as_chunks().0.iter().map(|entries: &[f32; 4]| entries.map(f32::to_bits)));
+        textures.extend(albedo.as_chunks().0.iter().map(|entries: &[f32; 4]| entries.map(f32::to_bits)));
+    };
+    if features.sheen {
+        add(2, &SHEEN_ALBEDO);
+    }
+    if features.coated {
+        add(3, &COAT_ALBEDO);
     }
     (rows, textures)
 }

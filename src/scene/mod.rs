@@ -1,5 +1,6 @@
 //! The scene as plain data: what a renderer needs to know, in the file's own units, independent of file format and device.
 
+pub mod albedo;
 pub mod camera;
 pub mod environment;
 pub mod features;

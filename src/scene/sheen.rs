@@ -1,28 +1,10 @@
-//! How much light sheen scatters: the table by which what is under it darkens. In f64 from the formulas of
-//! KHR_materials_sheen (Estevez and Kulla 2017); shaders/bsdf/sheen.wesl evaluates them on the device.
+//! Sheen in f64 from the formulas of KHR_materials_sheen (Estevez and Kulla 2017); shaders/bsdf/sheen.wesl evaluates them
+//! on the device.
 
 use std::f64::consts::PI;
-use std::sync::LazyLock;
 
-/// Entries of the table each way.
-pub const SHEEN_ENTRIES: usize = 32;
 /// Least roughness that is rendered.
 pub const SHEEN_ROUGHNESS: f32 = 0.07;
-/// Points of the quadrature each way.
-const POINTS: usize = 48;
-
-/// Albedo of white sheen, row by row of equal roughness from [`SHEEN_ROUGHNESS`] to 1, over the root of the cosine from 0
-/// to 1. Between its entries it is interpolated.
-pub static SHEEN_ALBEDO: LazyLock<Vec<f32>> = LazyLock::new(|| {
-    let last = (SHEEN_ENTRIES - 1) as f64;
-    let least = f64::from(SHEEN_ROUGHNESS);
-    let entry = |n: usize| {
-        let roughness = least + (1.0 - least) * (n / SHEEN_ENTRIES) as f64 / last;
-        let root = (n % SHEEN_ENTRIES) as f64 / last;
-        albedo(roughness * roughness, (root * root).max(1e-4), POINTS) as f32
-    };
-    (0..SHEEN_ENTRIES * SHEEN_ENTRIES).map(entry).collect()
-});
 
 /// How directions at this cosine are shadowed.
 pub fn lambda(cosine: f64, alpha: f64) -> f64 {

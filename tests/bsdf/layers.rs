@@ -1,6 +1,7 @@
 //! Layers over materials: against twins in f64 written from the extensions' formulas, apart from the shaders.
 
 use super::*;
+use emlt::scene::albedo::{self, ALBEDO_ENTRIES};
 use emlt::scene::material::{Anisotropy, Coat, Sheen};
 use emlt::scene::sheen;
 
@@ -65,7 +66,7 @@ fn coats_are_reciprocal() {
 }
 
 /// Under a coat of any roughness, white stays at most white, and under a smooth one over a mirror or matt white it hardly
-/// darkens: less than a twentieth, the mean of the coat's Fresnel term over the directions that light comes from.
+/// darkens: less than a twentieth, the mean of the coat's albedo over the directions that light comes from.
 #[test]
 fn coats_make_no_energy() {
     let mirror = |alpha| Material { metallic: 1.0, roughness: 0.05, coat: coat(1.0, alpha), ..matt("coat on mirror") };
@@ -76,7 +77,7 @@ fn coats_make_no_energy() {
         for (camera, mean, error) in albedos {
             let alpha = material.coat_alpha();
             println!("{} of alpha {alpha}, {camera:.2}: albedo {mean:.4} +- {error:.4}", material.name);
-            assert!(mean < 1.0 + 4.5 * error + 1e-4, "{} of alpha {alpha}, {camera}: {mean}", material.name);
+            assert!(mean < 1.0 + 4.5 * error + 5e-4, "{} of alpha {alpha}, {camera}: {mean}", material.name);
             let least = if material.metallic > 0.0 { 0.985 } else { 0.945 };
             assert!(alpha > 0.01 || mean > least - 4.5 * error, "{} of alpha {alpha}, {camera}: {mean}", material.name);
         }
@@ -102,7 +103,7 @@ fn coats_are_their_twins() {
     let materials = &coated()[..2];
     let mut device = Device::new(&context, materials, 0.0);
     for (index, material) in materials.iter().enumerate() {
-        let pairs = pairs(&mut device, index, 20_000);
+        let pairs = pairs(&mut device, index, 2_000);
         let (factor, alpha) = (f64::from(material.coat.factor), f64::from(material.coat_alpha()));
         let mut bad = 0;
         for ((light, camera, _), e) in pairs.iter().zip(device.evaluate(index, DVec3::Z, &pairs)) {
@@ -111,11 +112,14 @@ fn coats_are_their_twins() {
                 assert_eq!(e.value, [0.0; 3]);
                 continue;
             }
-            let (fl, fc) = (factor * schlick(light.z.abs()), factor * schlick(camera.z.abs()));
+            // Of the table's interpolation, up to 1e-3.
+            let taken =
+                [light, camera].map(|w| factor * albedo::coat(alpha, w.z.abs(), 24)).into_iter().fold(0.0, f64::max);
+            let fresnel = factor * schlick((*light + *camera).normalize().dot(*camera));
             for c in 0..3 {
-                let base = f64::from(material.base_color[c]) / PI * (1.0 - fl.max(fc));
-                let expected = base + fl.min(fc) * ggx(*light, *camera, side * DVec3::Z, alpha);
-                bad += usize::from((e.value[c] - expected).abs() > 2e-3 * expected + 1e-5);
+                let base = f64::from(material.base_color[c]) / PI * (1.0 - taken);
+                let expected = base + fresnel * ggx(*light, *camera, side * DVec3::Z, alpha);
+                bad += usize::from((e.value[c] - expected).abs() > 3e-3 * expected + 1e-3);
             }
         }
         println!("{}: {bad} of {} values differ", material.name, 3 * pairs.len());
@@ -171,8 +175,7 @@ fn sheen_and_grain_make_no_energy() {
         anisotropy: Anisotropy { strength: 0.8, rotation: 0.3 },
         ..matt("brushed white")
     };
-    let materials: Vec<_> =
-        [0.0, 0.1, 0.3, 1.0].map(white).into_iter().chain([0.01, 0.2].map(brushed)).collect();
+    let materials: Vec<_> = [0.0, 0.1, 0.3, 1.0].map(white).into_iter().chain([0.01, 0.2].map(brushed)).collect();
     for (material, albedos) in materials.iter().zip(albedos(&materials)) {
         for (camera, mean, error) in albedos {
             println!("{}, {camera:.2}: albedo {mean:.4} +- {error:.4}", material.name);
@@ -181,20 +184,24 @@ fn sheen_and_grain_make_no_energy() {
     }
 }
 
-/// The table's interpolation against quadrature with more points, between its entries.
+/// The tables' interpolation against quadrature with more points, between their entries.
 #[test]
-fn the_table_of_sheen_is_its_albedo() {
-    let last = (sheen::SHEEN_ENTRIES - 1) as f64;
-    for (row, column) in [(0, 8), (1, 15), (5, 6), (12, 20), (20, 3), (30, 30)] {
-        let at = |i: usize, j: usize| f64::from(sheen::SHEEN_ALBEDO[i * sheen::SHEEN_ENTRIES + j]);
-        let entries = [at(row, column), at(row, column + 1), at(row + 1, column), at(row + 1, column + 1)];
-        let roughness = f64::from(sheen::SHEEN_ROUGHNESS);
-        let roughness = roughness + (1.0 - roughness) * (row as f64 + 0.5) / last;
-        let cosine = ((column as f64 + 0.5) / last).powi(2);
-        let exact = sheen::albedo(roughness * roughness, cosine, 400);
-        let mean = entries.iter().sum::<f64>() / 4.0;
-        println!("roughness {roughness:.3}, cosine {cosine:.3}: {mean:.4} for {exact:.4}");
-        assert!((mean - exact).abs() < 0.03 * exact + 3e-3, "{mean} {exact}");
+fn the_tables_are_the_layers_albedos() {
+    let last = (ALBEDO_ENTRIES - 1) as f64;
+    let least = f64::from(sheen::SHEEN_ROUGHNESS);
+    let of_sheen = |down: f64, cosine| sheen::albedo((least + (1.0 - least) * down).powi(2), cosine, 400);
+    let of_coat = |down: f64, cosine| albedo::coat(down * down, cosine, 400);
+    let tables: [(&[f32], &dyn Fn(f64, f64) -> f64); 2] =
+        [(&albedo::SHEEN_ALBEDO, &of_sheen), (&albedo::COAT_ALBEDO, &of_coat)];
+    for (table, albedo) in tables {
+        for (row, column) in [(0, 8), (1, 15), (5, 6), (12, 20), (20, 3), (30, 30)] {
+            let at = |i: usize, j: usize| f64::from(table[i * ALBEDO_ENTRIES + j]);
+            let entries = [at(row, column), at(row, column + 1), at(row + 1, column), at(row + 1, column + 1)];
+            let (down, cosine) = ((row as f64 + 0.5) / last, ((column as f64 + 0.5) / last).powi(2));
+            let (exact, mean) = (albedo(down, cosine), entries.iter().sum::<f64>() / 4.0);
+            println!("row {row}, cosine {cosine:.3}: {mean:.4} for {exact:.4}");
+            assert!((mean - exact).abs() < 0.03 * exact + 3e-3, "{mean} {exact}");
+        }
     }
 }
 
