@@ -3,7 +3,7 @@
 use super::*;
 use emlt::scene::albedo::{self, ALBEDO_ENTRIES};
 use emlt::scene::material::{Anisotropy, Coat, Sheen};
-use emlt::scene::sheen;
+use emlt::scene::{Texture, sheen};
 
 fn coat(factor: f32, alpha: f32) -> Coat {
     Coat { factor, roughness: alpha.sqrt(), mapped_alpha: None }
@@ -41,6 +41,24 @@ fn check_layers(materials: &[Material], threshold: f32) {
         for (n, w_in) in shown {
             let ns = if n == 1 { tilted } else { DVec3::Z };
             check_chi_square(&mut device, index, material, (ns, w_in), tags, if clear { POINTS } else { 12 });
+        }
+    }
+}
+
+/// A coat's normals need not be the base's: bumps under a smooth coat.
+#[test]
+fn samples_of_coats_with_their_own_normals_have_their_density() {
+    let context = context();
+    let transform = emlt::scene::texture::IDENTITY;
+    let bumps = Texture { image: 0, srgb: false, linear: false, wrap: Default::default(), slot: 0, transform };
+    let mut materials = coated();
+    materials[0].textures.normal = Some((bumps, 1.0));
+    for (threshold, tags) in [(0.0, &[TAG_DIFFUSE][..]), (f32::INFINITY, &[TAG_DIFFUSE, TAG_REFLECT])] {
+        let mut device = Device::new(&context, &materials[..3], threshold);
+        device.lean = 0.25;
+        for (index, material) in materials[..3].iter().enumerate() {
+            let ns = DVec3::new(-0.2, 0.1, 1.0).normalize();
+            check_chi_square(&mut device, index, material, (ns, directions()[1]), tags, 12);
         }
     }
 }
