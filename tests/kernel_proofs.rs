@@ -26,6 +26,9 @@ const SPECULAR_SCENE: &str = "lamp_in_glass.glb";
 /// The same room with metal and glass whose lobes are treated as specular, and such as are not.
 const GLOSSY: &str = "glossy_box.glb";
 
+/// The room with clear coats, sheen and brushed metal.
+const LAYERED: &str = "layered_box.glb";
+
 /// The scenes of the proofs with the kernels that keep the type and are proven there.
 const PERTURBATIONS: [(&str, &[&Kernel]); 3] = [
     (
@@ -116,6 +119,44 @@ fn log_ratios_are_antisymmetric() {
     let (share, _) = asymmetric_share(&mut bench, &guided_lens::KERNEL, &[], Guides::Own);
     println!("twin, guides from the own half: {share:.3} asymmetric");
     assert!(share > 0.05, "the twin with guides from the own half passes: {share}");
+}
+
+/// The same through layers, with the kept factors, the independence kernel and stationarity.
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_kernels_through_layers_leave_the_target_alone() {
+    let context = context();
+    let mut bench = Bench::new(&context, LAYERED);
+    for kernel in PERTURBATIONS[2].1 {
+        let (share, n) = asymmetric_share(&mut bench, kernel, &[], Guides::Other);
+        println!("{LAYERED}, {}: {share:.2e} of {n} proposals asymmetric", kernel.name);
+        assert!(share < 1e-3, "{}: {share}", kernel.name);
+    }
+    check_factors(&mut Bench::new(&context, LAYERED));
+    check_independence(&mut bench);
+    check_stationarity(LAYERED, PERTURBATIONS[2].1, &[], &[16], ROUNDS);
+    check_stationarity(LAYERED, &[&bidirectional::KERNEL, &guided_bidirectional::KERNEL], &[], &[4], ROUNDS);
+}
+
+/// The same by an orthographic camera.
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_kernels_of_an_orthographic_camera_leave_the_target_alone() {
+    let context = context();
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes").join(GLOSSY);
+    let mut scene = emlt::scene::import::import(&path).unwrap_or_else(|e| panic!("{e}"));
+    scene.cameras[0].orthographic_height = Some(1.6);
+    let mut bench = Bench::of(&context, &scene);
+    for kernel in PERTURBATIONS[2].1 {
+        let (share, n) = asymmetric_share(&mut bench, kernel, &[], Guides::Other);
+        println!("orthographic, {}: {share:.2e} of {n} proposals asymmetric", kernel.name);
+        assert!(share < 1e-3, "{}: {share}", kernel.name);
+    }
+    check_factors(&mut Bench::of(&context, &scene));
+    check_independence(&mut bench);
+    let structural: [&Kernel; 2] = [&bidirectional::KERNEL, &guided_bidirectional::KERNEL];
+    check_stationarity_on(&mut bench, "orthographic", PERTURBATIONS[2].1, &[], &[16], ROUNDS);
+    check_stationarity_on(&mut bench, "orthographic", &structural, &[], &[4], ROUNDS);
 }
 
 /// Guides are what their paths are, but for the rounding of the packing: half a unit of 1/511.5.
@@ -247,11 +288,21 @@ const ROUNDS: u32 = 6;
 /// be caught.
 fn check_stationarity(scene: &str, kernels: &[&Kernel], twins: &[(&Kernel, &'static str)], steps: &[u32], rounds: u32) {
     let context = context();
-    let mut bench = Bench::new(&context, scene);
+    check_stationarity_on(&mut Bench::new(&context, scene), scene, kernels, twins, steps, rounds);
+}
+
+fn check_stationarity_on(
+    bench: &mut Bench,
+    scene: &str,
+    kernels: &[&Kernel],
+    twins: &[(&Kernel, &'static str)],
+    steps: &[u32],
+    rounds: u32,
+) {
     bench.publish_guides();
     for kernel in kernels {
         for &steps in steps {
-            let z = worst_z(&mut bench, kernel, &[], steps, rounds);
+            let z = worst_z(bench, kernel, &[], steps, rounds);
             println!(
                 "{scene}, {}, {steps} steps of {} chains: worst |z| {:.2} in {} bins, chi2 / dof {:.2}",
                 kernel.name, z.chains, z.worst, z.bins, z.chi2
@@ -260,7 +311,7 @@ fn check_stationarity(scene: &str, kernels: &[&Kernel], twins: &[(&Kernel, &'sta
         }
     }
     for (kernel, twin) in twins {
-        let z = worst_z(&mut bench, kernel, &[twin], 16, rounds);
+        let z = worst_z(bench, kernel, &[twin], 16, rounds);
         println!("{scene}, {}, {twin}: worst |z| {:.2}, chi2 / dof {:.2}", kernel.name, z.worst, z.chi2);
         assert!(z.worst > Z_LIMIT, "{} with {twin} passes: |z| = {}", kernel.name, z.worst);
     }

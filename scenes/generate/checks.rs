@@ -4,6 +4,7 @@ use crate::glb::{Document, Material};
 use crate::mesh::Mesh;
 use crate::shapes::{cuboid, icosphere, quad};
 use glam::Vec3;
+use serde_json::json;
 
 /// A closed box, every triangle a Lambertian emitter that faces inside: albedo (0.6, 0.5, 0.3) and
 /// emission (0.5, 1, 0.25), so every pixel is e / (1 - rho) = (1.25, 2, 0.357142...); with paths of at
@@ -84,6 +85,47 @@ pub fn glossy_box() -> Document {
     let gem = icosphere(1).scaled(0.3).faceted();
     scene.object("frosted gem", &gem.clone().at(0.45, 0.45, 0.1).closed(), glasses[0]);
     scene.object("dull gem", &gem.scaled(0.7).at(-0.1, 0.25, 0.4).closed(), glasses[1]);
+    scene.camera("main", Vec3::new(0.0, 1.0, 1.95), Vec3::new(0.0, 0.85, 0.0), 55.0);
+    scene
+}
+
+/// The same room with layers: a smooth coat over a matt plate, rough and smooth coats over brushed (anisotropic) copper, a
+/// coat on frosted glass, and sheen, also under a coat. There are narrow lobes of every kind, and such as are not.
+pub fn layered_box() -> Document {
+    let mut scene = Document::default();
+    let white = scene.material(Material::lambert("white", [0.7, 0.7, 0.7]));
+    let orange = scene.material(Material::lambert("orange", [0.75, 0.3, 0.08]));
+    let blue = scene.material(Material::lambert("blue", [0.1, 0.25, 0.65]));
+    let green = scene.material(Material::lambert("green", [0.25, 0.5, 0.2]));
+    let coat =
+        |factor: f64, roughness: f64| json!({ "clearcoatFactor": factor, "clearcoatRoughnessFactor": roughness });
+    let (coated, brushed) = ("KHR_materials_clearcoat", "KHR_materials_anisotropy");
+    let lamp = Material::lamp("lamp", [1.0, 0.85, 0.6], 5.0).with(coated, coat(0.5, 0.5));
+    let lamp = scene.material(lamp);
+    room(&mut scene, [white, orange, blue, green, lamp]);
+
+    let sheen = json!({ "sheenColorFactor": [0.9, 0.6, 0.3], "sheenRoughnessFactor": 0.4 });
+    let plate = Material::lambert("lacquer", [0.5, 0.1, 0.1]).with(coated, coat(1.0, 0.2));
+    let copper = |roughness| Material::metal("copper", [0.93, 0.6, 0.45], roughness);
+    let grain = |strength: f64| json!({ "anisotropyStrength": strength, "anisotropyRotation": 0.7 });
+    let narrow = copper(0.2).with(brushed, grain(0.3)).with(coated, coat(0.8, 0.25));
+    let wide = copper(0.4).with(brushed, grain(0.7)).with(coated, coat(1.0, 0.5));
+    let glass = Material::rough_glass("rose glass", [0.95, 0.7, 0.75], 1.5, 0.22).with(coated, coat(0.7, 0.3));
+    let cloth = Material::lambert("cloth", [0.2, 0.25, 0.5]).with("KHR_materials_sheen", sheen.clone());
+    let waxed =
+        Material::lambert("waxed", [0.2, 0.4, 0.2]).with("KHR_materials_sheen", sheen).with(coated, coat(1.0, 0.1));
+    let [plate, narrow, wide, glass, cloth, waxed] =
+        [plate, narrow, wide, glass, cloth, waxed].map(|material| scene.material(material));
+    let floor = quad(Vec3::new(-0.9, 0.01, -0.9), Vec3::Z * 2.4, Vec3::X * 1.8);
+    scene.object("lacquered plate", &floor, plate);
+    let half = Vec3::new(0.22, 0.35, 0.22);
+    let block = cuboid(-half, half);
+    scene.object("brushed block", &block.clone().turned(25.0).at(-0.55, 0.371, -0.35).closed(), narrow);
+    scene.object("dull block", &block.clone().turned(-10.0).at(0.1, 0.371, -0.6).closed(), wide);
+    scene.object("cloth", &block.clone().scaled(0.6).turned(40.0).at(-0.5, 0.231, 0.35).closed(), cloth);
+    let gem = icosphere(1).scaled(0.3).faceted();
+    scene.object("frosted gem", &gem.clone().at(0.45, 0.45, 0.1).closed(), glass);
+    scene.object("waxed gem", &gem.scaled(0.6).at(-0.05, 0.22, 0.45).closed(), waxed);
     scene.camera("main", Vec3::new(0.0, 1.0, 1.95), Vec3::new(0.0, 0.85, 0.0), 55.0);
     scene
 }

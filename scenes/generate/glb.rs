@@ -58,6 +58,12 @@ impl Material {
         self
     }
 
+    /// The same with an extension's parameters.
+    pub fn with(mut self, extension: &str, parameters: Value) -> Self {
+        self.extensions[extension] = parameters;
+        self
+    }
+
     fn json(&self) -> Value {
         let [r, g, b] = self.base_color.map(decimal);
         let mut material = json!({

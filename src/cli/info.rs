@@ -55,11 +55,13 @@ fn summary(scene: &Scene) -> String {
         let default = if i == 0 { " (the default)" } else { "" };
         row(
             "camera",
-            format!(
-                "'{}': vertical field of view {:.1} degrees{aspect}{default}",
-                camera.name,
-                camera.vertical_fov.to_degrees()
-            ),
+            match camera.orthographic_height {
+                None => {
+                    let fov = camera.vertical_fov.to_degrees();
+                    format!("'{}': vertical field of view {fov:.1} degrees{aspect}{default}", camera.name)
+                }
+                Some(height) => format!("'{}': orthographic, height {height}{aspect}{default}", camera.name),
+            },
         );
     }
     row("lights", lights(scene));
@@ -129,6 +131,7 @@ mod tests {
             name: "Main".into(),
             world_from_camera: glam::Affine3A::IDENTITY,
             vertical_fov: std::f32::consts::FRAC_PI_4,
+            orthographic_height: None,
             aspect: Some(1.5),
         };
         let scene = Scene {

@@ -208,7 +208,8 @@ mod tests {
     }
 
     fn camera(aspect: Option<f32>) -> Camera {
-        Camera { name: "c".into(), world_from_camera: glam::Affine3A::IDENTITY, vertical_fov: 1.0, aspect }
+        let world_from_camera = glam::Affine3A::IDENTITY;
+        Camera { name: "c".into(), world_from_camera, vertical_fov: 1.0, orthographic_height: None, aspect }
     }
 
     #[test]

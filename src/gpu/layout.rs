@@ -106,6 +106,8 @@ pub const NO_TRIANGLE: u32 = u32::MAX;
 pub const MATERIAL_ROWS: usize = 4;
 /// The same where materials have textures, an alpha or absorb light.
 pub const EXTENDED_ROWS: usize = 8;
+/// The same where materials have layers or are anisotropic.
+pub const LAYERED_ROWS: usize = 12;
 
 #[cfg(test)]
 mod tests {

@@ -93,7 +93,10 @@ impl SceneData {
     pub fn aim(&mut self, camera: &Camera, width: u32, height: u32) {
         let (centre, radius) = self.sphere;
         let eye: Vec3 = camera.world_from_camera.translation.into();
-        let pixels_per_unit = 0.5 * height as f32 / (0.5 * camera.vertical_fov).tan();
+        let pixels_per_unit = match camera.orthographic_height {
+            None => 0.5 * height as f32 / (0.5 * camera.vertical_fov).tan(),
+            Some(seen) => height as f32 * radius / seen,
+        };
         let world_from_camera = camera.world_from_camera.matrix3;
         self.uniform = SceneUniform {
             camera_position: ((DVec3::from(eye) - DVec3::from(centre)) / f64::from(radius)).as_vec3().into(),

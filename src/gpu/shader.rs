@@ -302,6 +302,27 @@ mod tests {
             Features { absorbing: true, ..Features::default() },
             Features { mixed: true, environment: true, ..Features::default() },
             Features { textured: true, blended: true, masked: true, ..Features::default() },
+            Features { coated: true, ..Features::default() },
+            Features { sheen: true, ..Features::default() },
+            Features { orthographic: true, ..Features::default() },
+            Features { orthographic: true, mixed: true, ..Features::default() },
+            Features {
+                textured: true,
+                vertex_colored: true,
+                emission_mapped: true,
+                emission_colored: true,
+                ..Features::default()
+            },
+            Features { anisotropic: true, textured: true, normal_mapped: true, ..Features::default() },
+            Features {
+                coated: true,
+                sheen: true,
+                anisotropic: true,
+                textured: true,
+                normal_mapped: true,
+                blended: true,
+                ..Features::default()
+            },
         ];
         let mut sets = Vec::new();
         for (bits, textured) in (0..64u32).flat_map(|bits| textured.map(|textured| (bits, textured))) {

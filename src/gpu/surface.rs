@@ -3,7 +3,8 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::layout::{EXTENDED_ROWS, MATERIAL_ROWS};
+use super::layout::{EXTENDED_ROWS, LAYERED_ROWS, MATERIAL_ROWS};
+use crate::scene::albedo::{COAT_ALBEDO, SHEEN_ALBEDO};
 use crate::scene::material::AlphaMode;
 use crate::scene::texture::{SRGB, Texture, Wrap};
 use crate::scene::{Features, Material, Scene};
@@ -19,11 +20,16 @@ pub fn encode_octahedral(n: Vec3) -> u32 {
     snorm(x) | (snorm(y) << 16)
 }
 
-/// The rows of all materials, and the rows of their textures, which lie in the same table after `lights` more.
+/// The rows of all materials, and the rows of their textures and of layers' albedos, which lie in the same table after
+/// `lights` more.
 pub fn materials(scene: &Scene, features: Features, threshold: f32, lights: usize) -> (Vec<[u32; 4]>, Vec<[u32; 4]>) {
     let mut rows = Vec::new();
     let mut textures: Vec<[u32; 4]> = Vec::new();
-    let rows_each = if features.extended() { EXTENDED_ROWS } else { MATERIAL_ROWS };
+    let rows_each = match (features.has_layer_rows(), features.extended()) {
+        (true, _) => LAYERED_ROWS,
+        (false, true) => EXTENDED_ROWS,
+        (false, false) => MATERIAL_ROWS,
+    };
     let first_texture = scene.materials.len() * rows_each + lights;
     let offsets = image_offsets(scene);
     // Row of a texture in the table; 0, which is a material's, for none.
@@ -39,8 +45,10 @@ pub fn materials(scene: &Scene, features: Features, threshold: f32, lights: usiz
             let [base, rough, emissive, transmission, specular, specular_color] =
                 material.textures.slots().map(|texture| row_of(texture, 1.0));
             let normal = material.textures.normal.as_ref().map_or(0, |(texture, scale)| row_of(Some(texture), *scale));
+            // 1 where vertex colours are the surface's, 2 where they are its light's.
+            let colored = u32::from(material.vertex_colored) << u32::from(material.unlit);
             rows.push([base, rough, emissive, transmission]);
-            rows.push([specular, specular_color, normal, u32::from(material.vertex_colored)]);
+            rows.push([specular, specular_color, normal, colored]);
             let (cutoff, mode) = match material.alpha_mode {
                 AlphaMode::Opaque => (0.0, 0.0),
                 AlphaMode::Mask(cutoff) => (cutoff, 1.0),
@@ -51,6 +59,31 @@ pub fn materials(scene: &Scene, features: Features, threshold: f32, lights: usiz
             let sigma = material.absorption * scene.bounding_sphere().1;
             rows.push([sigma.x, sigma.y, sigma.z, 0.0].map(f32::to_bits));
         }
+        if features.has_layer_rows() {
+            let (sheen, anisotropy) = (material.sheen, material.anisotropy);
+            let normal = material.textures.coat_normal.as_ref();
+            let normal = normal.map_or(0, |(texture, scale)| row_of(Some(texture), *scale));
+            let [coat, coat_roughness, sheen_color, sheen_roughness, stretch] =
+                material.textures.layer_slots().map(|texture| row_of(texture, 1.0));
+            let coat_alpha = coat_alpha(material, threshold);
+            rows.push([material.coat_factor(), coat_alpha, anisotropy.strength, anisotropy.rotation].map(f32::to_bits));
+            rows.push([sheen.color.x, sheen.color.y, sheen.color.z, sheen.roughness].map(f32::to_bits));
+            rows.push([coat, coat_roughness, sheen_color, sheen_roughness]);
+            rows.push([stretch, normal, 0, 0]);
+        }
+    }
+    let mut add = |word: usize, albedo: &[f32]| {
+        let table = (first_texture + textures.len()) as u32;
+        for row in rows.chunks_exact_mut(rows_each) {
+            row[rows_each - 1][word] = table;
+        }
+        textures.extend(albedo.as_chunks().0.iter().map(|entries: &[f32; 4]| entries.map(f32::to_bits)));
+    };
+    if features.sheen {
+        add(2, &SHEEN_ALBEDO);
+    }
+    if features.coated {
+        add(3, &COAT_ALBEDO);
     }
     (rows, textures)
 }
@@ -73,6 +106,13 @@ fn pack_material(m: &Material, threshold: f32, extended: bool) -> [[u32; 4]; MAT
         [m.transmission, m.ior, thin, sides],
     ]
     .map(|row| row.map(f32::to_bits))
+}
+
+/// Alpha of the coat's lobe, negative where it is narrow; with a texture that of its factor.
+fn coat_alpha(m: &Material, threshold: f32) -> f32 {
+    let alpha = m.coat.roughness * m.coat.roughness;
+    let alpha = if m.coat.mapped_alpha.is_some() { alpha } else { m.coat_alpha() };
+    if m.coat_alpha() < threshold { -alpha } else { alpha }
 }
 
 /// Three rows as `lookup` in shaders/texture/lookup.wesl reads them: where the texels are, then the transform.

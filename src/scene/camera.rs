@@ -1,8 +1,8 @@
-//! Pinhole cameras.
+//! Pinhole and orthographic cameras.
 
 use glam::{Affine3A, DVec3, Vec3};
 
-/// A pinhole camera looking along its own -z, +y up (glTF 2.0, section 3.10).
+/// A camera looking along its own -z, +y up (glTF 2.0, section 3.10).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     pub name: String,
@@ -10,6 +10,9 @@ pub struct Camera {
     pub world_from_camera: Affine3A,
     /// Full vertical field of view in radians, in (0, pi).
     pub vertical_fov: f32,
+    /// Where it is orthographic instead: the height of what it sees, in the file's units. It sees nothing behind the plane
+    /// through its place.
+    pub orthographic_height: Option<f32>,
     /// Width over height that the file asks for, if it does; the default image size follows it.
     pub aspect: Option<f32>,
 }

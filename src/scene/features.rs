@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use super::Scene;
 use super::light::LightKind;
 use super::material::{AlphaMode, GLOSSY_AS_SPECULAR_ALPHA};
+use super::{Camera, Scene};
 
 /// One flag per optional part of the shaders; each is a condition of the same name there.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
@@ -19,6 +19,8 @@ pub struct Features {
     pub rough_glass: bool,
     /// Some specular lobe is not a delta but narrow ([`GLOSSY_AS_SPECULAR_ALPHA`]).
     pub narrow: bool,
+    /// The camera is orthographic; not known from the scene, which may have several.
+    pub orthographic: bool,
     /// Light comes from infinitely far: from a sky, an environment or a direction.
     pub sky: bool,
     /// Other light than that of emissive triangles alone, or of a uniform sky alone.
@@ -35,12 +37,20 @@ pub struct Features {
     pub vertex_colored: bool,
     /// Some emissive material has an emissive texture.
     pub emission_mapped: bool,
+    /// Some unlit material is multiplied by vertex colours.
+    pub emission_colored: bool,
     /// Some material is there in places only (alphaMode MASK).
     pub masked: bool,
     /// Some material covers in part what lies behind (alphaMode BLEND).
     pub blended: bool,
     /// Some solid glass absorbs light inside.
     pub absorbing: bool,
+    /// Some material has a clear coat.
+    pub coated: bool,
+    /// Some material has sheen.
+    pub sheen: bool,
+    /// Some material is anisotropic.
+    pub anisotropic: bool,
 }
 
 impl Features {
@@ -75,9 +85,18 @@ impl Features {
             features.glossy |= specular && !smooth;
             features.textured |= !material.is_plain();
             features.second_coordinates |= material.textures.all().any(|texture| texture.slot > 0);
-            features.normal_mapped |= material.textures.normal.is_some();
+            features.normal_mapped |= material.tangent_slot().is_some();
             features.vertex_colored |= material.vertex_colored;
             features.absorbing |= transmits && !material.thin && material.absorption != Vec3::ZERO;
+            features.sheen |= material.sheen.color != Vec3::ZERO;
+            features.anisotropic |= material.anisotropy.strength > 0.0 && material.alpha() > 0.0;
+            if material.coat_factor() > 0.0 {
+                let narrow = material.coat_alpha() < threshold;
+                features.coated = true;
+                features.narrow |= narrow;
+                features.mirror |= narrow;
+                features.glossy |= !narrow;
+            }
             // An alpha that is the same everywhere is decided at import.
             features.masked |= matches!(material.alpha_mode, AlphaMode::Mask(_)) && !material.is_plain();
             if material.alpha_mode == AlphaMode::Blend {
@@ -86,24 +105,41 @@ impl Features {
                 features.mirror = true;
                 features.glass = true;
             }
-            features.emission_mapped |= material.emits() && material.textures.emissive.is_some();
+            features.emission_mapped |= material.has_uneven_emission();
+            features.emission_colored |= material.emits() && material.unlit && material.vertex_colored;
         }
         features
     }
 
+    /// The same for what `camera` sees.
+    pub fn seen_by(self, camera: &Camera) -> Self {
+        Self { orthographic: camera.orthographic_height.is_some(), ..self }
+    }
+
     /// Whether materials have more than factors: rows of textures and coverage.
     pub fn extended(&self) -> bool {
-        self.textured || self.masked || self.blended || self.absorbing
+        self.textured || self.masked || self.blended || self.absorbing || self.has_layer_rows()
+    }
+
+    /// Whether some material has a layer over it.
+    pub fn layered(&self) -> bool {
+        self.coated || self.sheen
+    }
+
+    /// Whether materials have rows for layers and anisotropy.
+    pub fn has_layer_rows(&self) -> bool {
+        self.layered() || self.anisotropic
     }
 
     /// Every flag with its name, as the shaders call it.
-    pub fn flags(&self) -> [(&'static str, bool); 17] {
+    pub fn flags(&self) -> [(&'static str, bool); 24] {
         [
             ("glossy", self.glossy),
             ("mirror", self.mirror),
             ("glass", self.glass),
             ("rough_glass", self.rough_glass),
             ("narrow", self.narrow),
+            ("orthographic", self.orthographic),
             ("sky", self.sky),
             ("mixed", self.mixed),
             ("environment", self.environment),
@@ -112,9 +148,15 @@ impl Features {
             ("normal_mapped", self.normal_mapped),
             ("vertex_colored", self.vertex_colored),
             ("emission_mapped", self.emission_mapped),
+            ("emission_colored", self.emission_colored),
             ("masked", self.masked),
             ("blended", self.blended),
             ("absorbing", self.absorbing),
+            ("coated", self.coated),
+            ("sheen", self.sheen),
+            ("anisotropic", self.anisotropic),
+            ("layered", self.layered()),
+            ("layer_rows", self.has_layer_rows()),
             ("extended", self.extended()),
         ]
     }

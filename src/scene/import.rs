@@ -8,7 +8,9 @@ mod camera;
 mod closed;
 mod draco;
 mod file;
+mod glossiness;
 mod image;
+mod image_light;
 mod light;
 mod material;
 mod mesh;
@@ -34,22 +36,26 @@ use self::nodes::Instances;
 use self::notes::{Feature, Notes};
 use self::texture::{Images, Reader};
 use crate::Error;
-use crate::scene::{Material, Scene};
+use crate::scene::{Environment, Material, Scene};
 
 /// Said where a sky is made up.
 pub(super) const NO_LIGHT: &str = "The file has no light that can be rendered: a white sky of radiance 1 is added.";
 /// Most triangles in a scene, so that a small file of many instances cannot fill the memory: 1.4 GiB at worst.
 const MAX_TRIANGLES: u64 = 1 << 24;
 /// Extensions that a file may require: the import either honours them or has a sentence of its own about them.
-const KNOWN: [&str; 16] = [
+const KNOWN: [&str; 20] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
@@ -145,8 +151,7 @@ impl<'a> Importer<'a> {
         let name = name.map_or_else(|| format!("camera {}", self.scene.cameras.len()), str::to_string);
         let called = format!("{path} ('{name}')");
         match camera::convert(json, self.unused_camera_name(name), world_from_node) {
-            Ok(Some(camera)) => self.scene.cameras.push(camera),
-            Ok(None) => self.notes.add(Feature::Orthographic, index),
+            Ok(camera) => self.scene.cameras.push(camera),
             Err(why) => return Err(format!("{called}: {why}")),
         }
         Ok(())
@@ -174,7 +179,7 @@ impl<'a> Importer<'a> {
             let converted = self.converted(material)?;
             let wanted = Wanted {
                 coordinates: &converted.coordinates,
-                tangents: converted.material.textures.normal.is_some(),
+                tangents: converted.material.tangent_slot().is_some(),
                 colors: converted.material.vertex_colored,
             };
             let triangles =
@@ -264,8 +269,11 @@ impl<'a> Importer<'a> {
             ));
         }
         scene.images = images.images;
-        if file.root.extensions_used.iter().any(|name| name == "EXT_lights_image_based") {
-            scene.warnings.push("Image-based lights (EXT_lights_image_based) are not supported yet: left out.".into());
+        match image_light::convert(file) {
+            Ok(environment) => scene.environment = environment,
+            Err(why) => {
+                scene.warnings.push(format!("The image-based light (EXT_lights_image_based) is left out: {why}."));
+            }
         }
         for name in &file.root.extensions_required {
             if !KNOWN.contains(&name.as_str()) && !notes::MATERIAL_EXTENSIONS.iter().any(|(known, _)| known == name) {
@@ -274,14 +282,22 @@ impl<'a> Importer<'a> {
                 ));
             }
         }
-        // Of the materials in use: one whose triangles were all dropped lights nothing.
-        if scene.lights.is_empty() && scene.mean_emission().iter().all(|luminance| *luminance == 0.0) {
-            scene.sky = Some(Vec3::ONE);
+        // Of the materials in use: one whose triangles were all dropped lights nothing. Unlit ones are not meant to.
+        let material = |triangle: usize| &scene.materials[scene.triangle_materials[triangle] as usize];
+        let emission = scene.mean_emission();
+        let lit = |unlit: bool| emission.iter().enumerate().any(|(t, e)| *e > 0.0 && material(t).unlit == unlit);
+        if scene.lights.is_empty() && scene.environment.is_none() && !lit(false) {
+            if lit(true) {
+                // A sky beside other light is an image.
+                scene.environment = Some(Environment { width: 2, height: 1, pixels: vec![[1.0; 3]; 2] });
+            } else {
+                scene.sky = Some(Vec3::ONE);
+            }
             scene.warnings.push(NO_LIGHT.into());
         }
         if scene.cameras.is_empty() {
             scene.cameras.push(camera::framed(&scene));
-            scene.warnings.push("The file has no perspective camera: one that sees the whole scene is added.".into());
+            scene.warnings.push("The file has no camera: one that sees the whole scene is added.".into());
         }
         Ok(scene)
     }

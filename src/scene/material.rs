@@ -43,9 +43,45 @@ pub struct Material {
     pub alpha_mode: AlphaMode,
     /// Multiplied by the vertices' colours (COLOR_0).
     pub vertex_colored: bool,
+    /// KHR_materials_unlit: the colour, textures and vertex colours included, is the radiance in all directions, and
+    /// nothing is scattered.
+    pub unlit: bool,
+    /// KHR_materials_clearcoat.
+    pub coat: Coat,
+    pub sheen: Sheen,
+    pub anisotropy: Anisotropy,
     pub textures: Textures,
     /// Mean and largest GGX alpha over the texels of the roughness texture, where there is one.
     pub mapped_alpha: Option<[f32; 2]>,
+}
+
+/// A clear layer over a material (KHR_materials_clearcoat).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Coat {
+    /// How much of it there is, 0 to 1.
+    pub factor: f32,
+    /// Perceptual roughness.
+    pub roughness: f32,
+    /// Mean GGX alpha over the texels of its roughness texture, where there is one.
+    pub mapped_alpha: Option<f32>,
+}
+
+/// Fibres on a material (KHR_materials_sheen).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sheen {
+    /// Black where there is none.
+    pub color: Vec3,
+    /// Perceptual roughness.
+    pub roughness: f32,
+}
+
+/// Facets whose normals spread in one direction more than in the other (KHR_materials_anisotropy).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Anisotropy {
+    /// 0, not at all, to 1.
+    pub strength: f32,
+    /// Of the direction in which they spread more, from the tangent towards the bitangent, in radians.
+    pub rotation: f32,
 }
 
 /// What a material's alpha means (glTF 2.0, section 3.9.4).
@@ -74,10 +110,22 @@ pub struct Textures {
     /// A: specular.
     pub specular: Option<Texture>,
     pub specular_color: Option<Texture>,
+    /// R: how much of the coat there is.
+    pub coat: Option<Texture>,
+    /// G: the coat's roughness.
+    pub coat_roughness: Option<Texture>,
+    /// As `normal`.
+    pub coat_normal: Option<(Texture, f32)>,
+    /// RGB: the sheen's colour.
+    pub sheen_color: Option<Texture>,
+    /// A: the sheen's roughness.
+    pub sheen_roughness: Option<Texture>,
+    /// RG: the direction of anisotropy; B: its strength.
+    pub anisotropy: Option<Texture>,
 }
 
 impl Textures {
-    /// All of them but the normals, in the order of `SLOT_*` in shaders/bsdf/material.wesl.
+    /// Those of the material itself but the normals, in the order of `SLOT_*` in shaders/bsdf/material.wesl.
     pub fn slots(&self) -> [Option<&Texture>; 6] {
         [
             &self.base_color,
@@ -90,9 +138,20 @@ impl Textures {
         .map(Option::as_ref)
     }
 
+    /// Those of its layers but the normals, and of anisotropy, in the order that follows there.
+    pub fn layer_slots(&self) -> [Option<&Texture>; 5] {
+        [&self.coat, &self.coat_roughness, &self.sheen_color, &self.sheen_roughness, &self.anisotropy]
+            .map(Option::as_ref)
+    }
+
+    /// Normals, of the material and of its coat.
+    pub fn normals(&self) -> impl Iterator<Item = &Texture> {
+        [&self.normal, &self.coat_normal].into_iter().flatten().map(|(texture, _)| texture)
+    }
+
     /// All of them.
     pub fn all(&self) -> impl Iterator<Item = &Texture> {
-        self.slots().into_iter().flatten().chain(self.normal.as_ref().map(|(texture, _)| texture))
+        self.slots().into_iter().chain(self.layer_slots()).flatten().chain(self.normals())
     }
 }
 
@@ -115,6 +174,10 @@ impl Default for Material {
             base_alpha: 1.0,
             alpha_mode: AlphaMode::Opaque,
             vertex_colored: false,
+            unlit: false,
+            coat: Coat::default(),
+            sheen: Sheen::default(),
+            anisotropy: Anisotropy::default(),
             textures: Textures::default(),
             mapped_alpha: None,
         }
@@ -126,12 +189,28 @@ impl Material {
     ///
     /// A roughness texture makes no difference to what a lobe is taken for: that must be the same at every point of a
     /// material. It is the mean alpha over the texels that counts here, and the lobes are deltas only if all texels are
-    /// that smooth; else no point has an alpha below [`DELTA_ALPHA`].
+    /// that smooth; else no point has an alpha below [`DELTA_ALPHA`]. Neither has one under a coat, whose lobe is none (a
+    /// class of reflections is a delta or a lobe, not both), or an anisotropic one.
     pub fn alpha(&self) -> f32 {
         let flat = self.roughness * self.roughness;
         let [mean, most] = self.mapped_alpha.unwrap_or([flat; 2]);
-        let matched = self.transmission > 0.0 && !self.thin && self.ior - 1.0 < DELTA_CONTRAST;
-        if most < DELTA_ALPHA || matched { 0.0 } else { mean.max(DELTA_ALPHA) }
+        let delta = most < DELTA_ALPHA && self.coat_factor() == 0.0 && self.anisotropy.strength == 0.0;
+        if delta || self.is_matched() { 0.0 } else { mean.max(DELTA_ALPHA) }
+    }
+
+    /// Whether it is solid glass whose boundary cannot be rough.
+    fn is_matched(&self) -> bool {
+        self.transmission > 0.0 && !self.thin && self.ior - 1.0 < DELTA_CONTRAST
+    }
+
+    /// How much coat there is; none on glass whose boundary has to be smooth.
+    pub fn coat_factor(&self) -> f32 {
+        if self.is_matched() { 0.0 } else { self.coat.factor }
+    }
+
+    /// GGX alpha of the coat's lobe, at least [`DELTA_ALPHA`]; as for [`Material::alpha`], it is the mean that counts.
+    pub fn coat_alpha(&self) -> f32 {
+        self.coat.mapped_alpha.unwrap_or(self.coat.roughness * self.coat.roughness).max(DELTA_ALPHA)
     }
 
     /// Whether it has a specular lobe at all, delta or not.
@@ -141,17 +220,31 @@ impl Material {
 
     /// Whether it has a lobe that is treated as specular for being narrower than `threshold`.
     pub fn is_narrow(&self, threshold: f32) -> bool {
-        self.is_specular() && self.alpha() > 0.0 && self.alpha() < threshold
+        // Of the two alphas of anisotropy, the geometric mean.
+        let along = self.alpha() + (1.0 - self.alpha()) * self.anisotropy.strength.powi(2);
+        self.is_specular() && self.alpha() > 0.0 && (self.alpha() * along).sqrt() < threshold
     }
 
     /// Whether it is the same at every point of a triangle.
     pub fn is_plain(&self) -> bool {
-        !self.vertex_colored && self.textures.all().next().is_none()
+        !self.vertex_colored && self.anisotropy.strength == 0.0 && self.textures.all().next().is_none()
+    }
+
+    /// Which of the vertices' coordinates its tangents follow; None where it needs no tangents.
+    pub fn tangent_slot(&self) -> Option<usize> {
+        let anisotropic =
+            (self.anisotropy.strength > 0.0).then(|| self.textures.anisotropy.as_ref().map_or(0, |t| t.slot));
+        self.textures.normals().next().map(|texture| texture.slot).or(anisotropic)
     }
 
     /// Whether there is nothing of it anywhere: alpha is below the mask's cutoff, and the same at all points.
     pub fn is_masked_out(&self) -> bool {
         matches!(self.alpha_mode, AlphaMode::Mask(cutoff) if self.base_alpha < cutoff)
+    }
+
+    /// Whether it emits otherwise from place to place.
+    pub fn has_uneven_emission(&self) -> bool {
+        self.emits() && (self.textures.emissive.is_some() || (self.unlit && self.vertex_colored))
     }
 
     /// Whether triangles of this material are lights.

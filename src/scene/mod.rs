@@ -1,11 +1,13 @@
 //! The scene as plain data: what a renderer needs to know, in the file's own units, independent of file format and device.
 
+pub mod albedo;
 pub mod camera;
 pub mod environment;
 pub mod features;
 pub mod import;
 pub mod light;
 pub mod material;
+pub mod sheen;
 pub mod texture;
 
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
@@ -45,7 +47,7 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// What the materials' textures show.
     pub images: Vec<Image>,
-    /// The file's perspective cameras; never empty after import (a framed one is made).
+    /// The file's cameras; never empty after import (a framed one is made).
     pub cameras: Vec<Camera>,
     /// Radiance of a uniform sky around the scene (linear Rec.709); set only where the file has no light at all.
     pub sky: Option<Vec3>,
@@ -97,16 +99,30 @@ impl Scene {
         let mapped = |m: &Material| m.emits() && m.textures.emissive.is_some();
         let count = (0..self.triangles.len()).filter(|&triangle| mapped(material(triangle))).count();
         let finest = (MEAN_POINTS / count.max(1) as f64).sqrt().clamp(4.0, 512.0);
-        let of = |triangle: usize| match &material(triangle).textures.emissive {
-            Some(texture) if material(triangle).emits() => self.mean_textured_emission(triangle, texture, finest),
-            _ => material(triangle).emission.as_dvec3().dot(LUMINANCE),
+        let of = |triangle: usize| {
+            let factor = material(triangle).emission.as_dvec3() * self.emission_color(triangle);
+            match &material(triangle).textures.emissive {
+                Some(texture) if material(triangle).emits() => {
+                    self.mean_textured_emission(triangle, texture, factor, finest)
+                }
+                _ => factor.dot(LUMINANCE),
+            }
         };
         (0..self.triangles.len()).map(of).collect()
     }
 
-    fn mean_textured_emission(&self, triangle: usize, texture: &Texture, finest: f64) -> f64 {
+    /// The mean of the vertices' colours where they are the light's; apart from the texture's, since any positive estimate
+    /// serves for choosing lights.
+    fn emission_color(&self, triangle: usize) -> DVec3 {
         let material = &self.materials[self.triangle_materials[triangle] as usize];
-        let factor = material.emission.as_dvec3();
+        if !(material.unlit && material.vertex_colored) {
+            return DVec3::ONE;
+        }
+        let color = |vertex: u32| self.colors.get(vertex as usize).map_or(DVec3::ONE, |c| c.truncate().as_dvec3());
+        self.triangles[triangle].map(color).into_iter().sum::<DVec3>() / 3.0
+    }
+
+    fn mean_textured_emission(&self, triangle: usize, texture: &Texture, factor: DVec3, finest: f64) -> f64 {
         let image = &self.images[texture.image as usize];
         let at = |vertex: u32| self.coordinates.get(vertex as usize).map_or(Vec2::ZERO, |c| c[texture.slot]);
         let [a, b, c] = self.triangles[triangle].map(|vertex| at(vertex).as_dvec2());

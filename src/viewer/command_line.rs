@@ -103,6 +103,7 @@ mod tests {
             name: (*name).into(),
             world_from_camera: Affine3A::from_translation(Vec3::Z),
             vertical_fov: 1.0,
+            orthographic_height: None,
             aspect: None,
         };
         Opened {

@@ -62,7 +62,10 @@ impl Orbit {
 
     /// Moves sideways: right and up, in image heights at the target.
     pub fn pan(&mut self, right: f64, up: f64) {
-        let height = 2.0 * (self.eye - self.target).length() * (0.5 * f64::from(self.base.vertical_fov)).tan();
+        let height = self.base.orthographic_height.map_or_else(
+            || 2.0 * (self.eye - self.target).length() * (0.5 * f64::from(self.base.vertical_fov)).tan(),
+            f64::from,
+        );
         let frame = self.camera().world_from_camera.matrix3;
         let [x, y] = [frame.x_axis, frame.y_axis].map(|axis| DVec3::from(Vec3::from(axis)));
         let by = height * (right * x + up * y);
@@ -85,7 +88,13 @@ mod tests {
 
     fn orbit() -> Orbit {
         let world_from_camera = Affine3A::from_translation(Vec3::new(0.0, 0.0, 4.0));
-        let base = Camera { name: "Main".into(), world_from_camera, vertical_fov: 1.0, aspect: None };
+        let base = Camera {
+            name: "Main".into(),
+            world_from_camera,
+            vertical_fov: 1.0,
+            orthographic_height: None,
+            aspect: None,
+        };
         Orbit::new(base, (Vec3::ZERO, 1.0))
     }
 

@@ -102,6 +102,7 @@ fn opened() -> Opened {
         name: name.into(),
         world_from_camera: Affine3A::from_translation(Vec3::Z * z),
         vertical_fov: 0.8,
+        orthographic_height: None,
         aspect: None,
     };
     Opened {

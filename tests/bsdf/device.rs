@@ -5,7 +5,7 @@ use emlt::gpu::layout::PassUniform;
 use emlt::gpu::run::{Buffer, Dispatch, Run, Sizes};
 use emlt::gpu::scene::SceneData;
 use emlt::gpu::shader::Variant;
-use emlt::scene::{Camera, Features, Material, Scene};
+use emlt::scene::{Camera, Features, Image, Material, Scene};
 use glam::{DVec3, Vec3};
 
 /// Most entries of a call.
@@ -26,6 +26,8 @@ pub struct Evaluated {
 pub struct Device<'a> {
     run: Run<'a>,
     features: Features,
+    /// How far the coat's normal leans towards x beyond the base's, where normals are mapped.
+    pub lean: f32,
 }
 
 impl<'a> Device<'a> {
@@ -36,17 +38,21 @@ impl<'a> Device<'a> {
             name: "materials".into(),
             positions: (0..n).flat_map(|i| [Vec3::X, Vec3::Y, Vec3::ZERO].map(|p| p + i as f32 * Vec3::Z)).collect(),
             normals: vec![Vec3::Z; 3 * n as usize],
+            tangents: vec![Vec3::X.extend(1.0); 3 * n as usize],
             triangles: (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
             triangle_materials: (0..n).collect(),
             materials: materials.to_vec(),
+            images: vec![Image { width: 1, height: 1, texels: vec![0xffff_8080] }],
             sky: Some(Vec3::ONE),
             ..Scene::default()
         };
         let world_from_camera = glam::Affine3A::IDENTITY;
-        let camera = Camera { name: "none".into(), world_from_camera, vertical_fov: 1.0, aspect: None };
+        let name = "none".into();
+        let camera = Camera { name, world_from_camera, vertical_fov: 1.0, orthographic_height: None, aspect: None };
         let data = SceneData::with_threshold(&scene, &camera, 4, 4, threshold).unwrap();
         let sizes = Sizes { chains: 48 * ENTRIES as u64, lists: 16, output: 32 * ENTRIES as u64, counters: 256 };
-        Self { run: Run::new(context, &data, sizes).unwrap(), features: Features::with_threshold(&scene, threshold) }
+        let features = Features::with_threshold(&scene, threshold);
+        Self { run: Run::new(context, &data, sizes).unwrap(), features, lean: 0.0 }
     }
 
     fn call(&mut self, rows: [Vec<[f32; 4]>; 3], flags: &[&'static str], pass_index: u32) -> Vec<[f32; 4]> {
@@ -65,7 +71,7 @@ impl<'a> Device<'a> {
 
     /// `count` directions sampled for `w_in`, with their tags.
     pub fn sample(&mut self, material: usize, ns: DVec3, w_in: DVec3, count: usize) -> Vec<(DVec3, u32)> {
-        let rows = [vec![row(w_in, material as f32); count], vec![[0.0; 4]; count], vec![row(ns, 0.0); count]];
+        let rows = [vec![row(w_in, material as f32); count], vec![[0.0; 4]; count], vec![row(ns, self.lean); count]];
         let made = self.call(rows, &[], material as u32);
         made[..count].iter().map(|r| (direction(r), r[3] as u32)).collect()
     }
@@ -75,7 +81,7 @@ impl<'a> Device<'a> {
         let rows = [
             pairs.iter().map(|p| row(p.1, material as f32)).collect(),
             pairs.iter().map(|p| row(p.0, p.2 as f32)).collect(),
-            vec![row(ns, 0.0); pairs.len()],
+            vec![row(ns, self.lean); pairs.len()],
         ];
         self.call(rows, &["probe"], 0)
             .chunks_exact(2)

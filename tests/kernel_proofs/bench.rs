@@ -15,7 +15,7 @@ use emlt::gpu::scene::SceneData;
 use emlt::gpu::shader::Variant;
 use emlt::kernels::Kernel;
 use emlt::reference::rng;
-use emlt::scene::{Features, import::import};
+use emlt::scene::{Features, Scene, import::import};
 
 pub const FILM: [u32; 2] = [64, 48];
 pub const MAX_EDGES: u32 = 8;
@@ -55,10 +55,13 @@ impl<'a> Bench<'a> {
     /// Fills both halves with start paths of `scene` (a file under tests/scenes).
     pub fn new(context: &'a Context, scene: &str) -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes").join(scene);
-        let scene = import(&path).unwrap_or_else(|e| panic!("{e}"));
+        Self::of(context, &import(&path).unwrap_or_else(|e| panic!("{e}")))
+    }
+
+    pub fn of(context: &'a Context, scene: &Scene) -> Self {
         let camera = scene.camera(None).unwrap();
-        let data = SceneData::new(&scene, camera, FILM[0], FILM[1]).unwrap();
-        let features = Features::of(&scene);
+        let data = SceneData::new(scene, camera, FILM[0], FILM[1]).unwrap();
+        let features = Features::of(scene).seen_by(camera);
         let sizes = Sizes {
             chains: 16 * chain_rows(MAX_EDGES) as u64 * u64::from(COLUMNS),
             lists: 4 * list_words(PATHS, BATCH),

@@ -109,7 +109,7 @@ impl Doc {
 }
 
 /// 300 squares side by side, 100 units wide, in quantised positions, filtered normals and 16-bit triangles.
-fn meshopt() -> Doc {
+pub fn meshopt() -> Doc {
     let mut doc = Doc::new();
     let corners = || (0..300u16).flat_map(|i| SQUARE.map(|[x, y, _]| [100 * (i + x as u16), 100 * y as u16, 0, 0]));
     let positions: Vec<u8> = corners().flatten().flat_map(u16::to_le_bytes).collect();
@@ -165,7 +165,7 @@ fn meshopt_floats_and_strips() {
 }
 
 /// Vertices of a Draco mesh, with an unused attribute before the others so that their numbers are not their places.
-fn draco(method: i32, bits: Option<i32>) -> Vec<u8> {
+pub fn draco(method: i32, bits: Option<i32>) -> Vec<u8> {
     let mut mesh = Mesh::new();
     let mut add = |kind, id, components: u8, values: &[f32]| {
         let mut attribute = PointAttribute::new();
@@ -196,7 +196,7 @@ fn draco(method: i32, bits: Option<i32>) -> Vec<u8> {
 }
 
 /// A tetrahedron in Draco data only.
-fn draco_doc(data: &[u8]) -> Doc {
+pub fn draco_doc(data: &[u8]) -> Doc {
     let mut doc = Doc::new();
     let view = doc.view(data);
     let vectors = json!({ "componentType": F32, "type": "VEC3", "count": 4 });

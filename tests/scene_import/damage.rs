@@ -57,6 +57,23 @@ fn broken_references_are_named() {
     assert!(import(Path::new("/")).unwrap_err().exit_status() == 2);
 }
 
+/// A few bytes must not stand for gigabytes.
+#[test]
+fn counts_without_data_are_bounded() {
+    let mut doc = triangle();
+    doc.json["accessors"][0] = json!({ "componentType": F32, "type": "VEC3", "count": 1 << 24 });
+    assert!(doc.error().contains("accessors[0]: its 16777216 elements have no data"), "{}", doc.error());
+    let mut doc = triangle();
+    let zeros = doc.push("accessors", json!({ "componentType": U32, "type": "SCALAR", "count": 1 << 24 }));
+    doc.json["meshes"][0]["primitives"][0]["indices"] = json!(zeros);
+    assert!(doc.error().contains("elements have no data"), "{}", doc.error());
+    let mut doc = triangle();
+    let zeros = doc.push("accessors", json!({ "componentType": F32, "type": "VEC3", "count": 1 << 24 }));
+    let attributes = json!({ "TRANSLATION": zeros });
+    doc.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
+    assert!(doc.error().contains("elements have no data"), "{}", doc.error());
+}
+
 #[test]
 fn many_instances_end_in_an_error_and_deep_nesting_does_not() {
     let mut doc = Doc::new();

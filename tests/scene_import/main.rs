@@ -3,9 +3,12 @@
 use std::f32::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 
+mod allocations;
 mod cameras;
 mod compression;
 mod damage;
+mod extensions;
+mod fuzz;
 mod geometry;
 mod materials;
 mod textures;

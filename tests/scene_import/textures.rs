@@ -33,7 +33,7 @@ const RED: [u8; 4] = [255, 0, 0, 255];
 const GREEN: [u8; 4] = [0, 255, 0, 128];
 
 /// One triangle with coordinates and a material, and one texture that shows `image`.
-fn textured(image: &[u8], material: Value) -> Doc {
+pub fn textured(image: &[u8], material: Value) -> Doc {
     let mut doc = with_material(material);
     let view = doc.view(image);
     doc.json["images"] = json!([{ "bufferView": view }]);

@@ -22,7 +22,7 @@ use emlt::reference::rng;
 use emlt::scene::{Features, LUMINANCE, Scene, Texture};
 use glam::{DVec2, DVec3, Vec4};
 use renders::{render, replicates, settings};
-use room::{lit_room, room, veiled_room};
+use room::{layered_room, lit_room, orthographic_room, room, unlit_wall, veiled_room};
 
 /// What shaders/passes/surface_probe.wesl tells of points of a scene.
 fn probe(scene: &Scene, points: &[[u32; 4]]) -> Vec<[[f32; 4]; 4]> {
@@ -169,15 +169,43 @@ fn long_textured_room_by_emlt() {
 /// (holes, a veil, tinted glass) included.
 #[test]
 fn b_is_that_of_path_tracing() {
-    for scene in [room(), lit_room(), veiled_room()] {
-        let outcome = render(&scene, &settings(Pt, [32, 24], 2048));
+    check_b(&[room(), lit_room(), veiled_room()], 2048);
+}
+
+#[test]
+fn b_with_layers_is_that_of_path_tracing() {
+    check_b(&[layered_room()], 512);
+}
+
+#[test]
+fn b_of_an_orthographic_camera_is_that_of_path_tracing() {
+    check_b(&[orthographic_room()], 512);
+}
+
+/// What is unlit has its colour, whatever shines on it, also behind.
+#[test]
+fn unlit_is_its_colour() {
+    for method in [Pt, Mlt] {
+        let scene = unlit_wall();
+        let image = render(&scene, &settings(method, [8, 6], 256)).image;
+        let mean =
+            image.pixels.iter().map(|p| DVec3::from(p.map(f64::from))).sum::<DVec3>() / image.pixels.len() as f64;
+        let expected = scene.materials[0].emission.as_dvec3();
+        // The chains' colours are exact, and b of what is seen alone has no noise either.
+        assert!((mean / expected - 1.0).abs().max_element() < 1e-3, "{}: {mean}", method.name());
+    }
+}
+
+fn check_b(scenes: &[Scene], samples: u32) {
+    for scene in scenes {
+        let outcome = render(scene, &settings(Pt, [32, 24], samples));
         let n = outcome.image.pixels.len() as f64;
         let luminance = |pixel: [f32; 3]| DVec3::from(pixel.map(f64::from)).dot(LUMINANCE);
         let traced = outcome.image.pixels.iter().map(|p| luminance(*p)).sum::<f64>() / n;
         // Of the channels' standard deviations together: not less than that of their sum.
         let deviation = |i: usize| luminance([0, 1, 2].map(|c| outcome.channels[c].values[i].sqrt())).powi(2);
         let variance = (0..outcome.image.pixels.len()).map(deviation).sum::<f64>() / (n * n);
-        let statistics = render(&scene, &settings(Mlt, [32, 24], 16)).statistics;
+        let statistics = render(scene, &settings(Mlt, [32, 24], 16)).statistics;
         let (b, error) = statistics.b.unwrap();
         let z = (b - traced) / (error.powi(2) + variance).sqrt();
         println!("{}: b {b:.5} +- {error:.5}, traced {traced:.5} +- {:.5}, z {z:.2}", scene.name, variance.sqrt());
@@ -207,4 +235,28 @@ fn long_veiled_room_by_mlt() {
 #[ignore = "takes minutes; ./run test --long"]
 fn long_veiled_room_by_emlt() {
     against_path_tracing(&veiled_room(), Emlt, 16, Power { film: 0.05, tile: 0.5 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_layered_room_by_mlt() {
+    against_path_tracing(&layered_room(), Mlt, 16, Power { film: 0.05, tile: 0.5 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_layered_room_by_emlt() {
+    against_path_tracing(&layered_room(), Emlt, 16, Power { film: 0.05, tile: 0.5 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_orthographic_room_by_mlt() {
+    against_path_tracing(&orthographic_room(), Mlt, 16, Power { film: 0.05, tile: 0.5 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_orthographic_room_by_emlt() {
+    against_path_tracing(&orthographic_room(), Emlt, 16, Power { film: 0.05, tile: 0.5 });
 }

@@ -1,7 +1,7 @@
 //! A small room with every kind of texture, made by code.
 
 use emlt::scene::light::{Environment, Light, LightKind};
-use emlt::scene::material::{AlphaMode, Textures};
+use emlt::scene::material::{AlphaMode, Anisotropy, Coat, Sheen, Textures};
 use emlt::scene::texture::{IDENTITY, Image, Texture, Wrap};
 use emlt::scene::{Camera, Material, Scene};
 use glam::{Affine3A, Vec2, Vec3, Vec4, vec3};
@@ -73,6 +73,7 @@ pub fn room() -> Scene {
             name: "front".into(),
             world_from_camera: Affine3A::from_translation(vec3(0.0, 1.0, 3.2)),
             vertical_fov: 0.8,
+            orthographic_height: None,
             aspect: None,
         }],
         ..Scene::default()
@@ -106,6 +107,46 @@ pub fn lit_room() -> Scene {
     scene
 }
 
+/// The room with layers: clear coats, smooth over the floor, uneven and bumpy over the walls, on the lamp, and on a block
+/// of dark metal brushed unevenly; sheen on the walls and on a cloth; an unlit picture.
+pub fn layered_room() -> Scene {
+    let mut scene = room();
+    scene.name = "layered room".into();
+    let coat = |factor, roughness| Coat { factor, roughness, mapped_alpha: None };
+    scene.materials[0].coat = coat(1.0, 0.1);
+    scene.materials[1].coat = Coat { mapped_alpha: Some(0.2), ..coat(0.9, 0.8) };
+    scene.materials[1].textures.coat = Some(texture(0, false));
+    scene.materials[1].textures.coat_roughness = Some(texture(1, false));
+    scene.materials[1].textures.coat_normal = Some((texture(2, false), 0.3));
+    scene.materials[2].coat = coat(0.7, 0.6);
+    scene.materials[1].sheen = Sheen { color: vec3(0.8, 0.7, 1.0), roughness: 0.9 };
+    scene.materials[1].textures.sheen_color = Some(texture(0, true));
+    let dark =
+        Material { name: "block".into(), base_color: vec3(0.2, 0.1, 0.3), roughness: 0.2, ..Material::default() };
+    let mut dark = Material { coat: coat(1.0, 0.25), anisotropy: Anisotropy { strength: 0.7, rotation: 0.5 }, ..dark };
+    dark.textures.anisotropy = Some(texture(0, false));
+    let cloth = Material { metallic: 0.0, base_color: vec3(0.1, 0.2, 0.4), ..Material::default() };
+    let sheen = Sheen { color: vec3(0.9, 0.9, 0.5), roughness: 0.3 };
+    scene.materials.extend([dark, Material { name: "cloth".into(), sheen, ..cloth }]);
+    // And a picture that nothing lights.
+    let mut picture = Material {
+        name: "picture".into(),
+        unlit: true,
+        double_sided: true,
+        base_color: Vec3::ZERO,
+        emission: vec3(0.8, 0.9, 1.0),
+        vertex_colored: true,
+        ..scene.materials[2].clone()
+    };
+    picture.coat = Coat::default();
+    picture.textures.emissive = Some(texture(0, true));
+    scene.materials.push(picture);
+    block(&mut scene, vec3(-0.7, 0.05, -0.7), 0.6, 3);
+    quad(&mut scene, vec3(0.0, 0.2, 0.5), vec3(0.9, 0.0, 0.3), 0.9 * Vec3::Y, 4);
+    quad(&mut scene, vec3(0.1, 0.9, -0.6), 0.5 * Vec3::X, vec3(0.0, 0.5, 0.2), 5);
+    scene
+}
+
 /// The room with a screen with holes, a veil and a block of tinted glass, in an uneven sky.
 pub fn veiled_room() -> Scene {
     let mut scene = lit_room();
@@ -135,15 +176,45 @@ pub fn veiled_room() -> Scene {
         ..Material::default()
     };
     scene.materials.extend([screen, veil, glass]);
-    let (low, size) = (vec3(-0.7, 0.05, -0.7), 0.6);
-    for axis in 0..3 {
-        let [n, a, b] = [0, 1, 2].map(|i| size * Vec3::AXES[(axis + i) % 3]);
-        quad(&mut scene, low + n, a, b, 5);
-        quad(&mut scene, low, b, a, 5);
-    }
+    block(&mut scene, vec3(-0.7, 0.05, -0.7), 0.6, 5);
     quad(&mut scene, vec3(-0.9, 0.1, 0.1), Vec3::X, 1.1 * Vec3::Y, 3);
     quad(&mut scene, vec3(0.0, 0.2, 0.5), vec3(0.9, 0.0, 0.3), 1.2 * Vec3::Y, 4);
     scene
+}
+
+/// The room with a veil and glass, by an orthographic camera beside which the sky is seen.
+pub fn orthographic_room() -> Scene {
+    let mut scene = veiled_room();
+    scene.name = "orthographic room".into();
+    scene.cameras[0].orthographic_height = Some(2.4);
+    scene.cameras[0].world_from_camera = Affine3A::from_rotation_y(0.2) * scene.cameras[0].world_from_camera;
+    scene
+}
+
+/// Nothing but a wall whose colour is its radiance, seen from behind, before a bright sky.
+pub fn unlit_wall() -> Scene {
+    let mut scene = Scene { name: "unlit wall".into(), cameras: room().cameras, ..Scene::default() };
+    scene.materials.push(Material {
+        unlit: true,
+        double_sided: true,
+        base_color: Vec3::ZERO,
+        metallic: 0.0,
+        specular: 0.0,
+        emission: vec3(0.7, 0.2, 0.4),
+        ..Material::default()
+    });
+    scene.environment = Some(Environment { width: 2, height: 1, pixels: vec![[5.0; 3]; 2] });
+    quad(&mut scene, vec3(9.0, -9.0, 0.0), -18.0 * Vec3::X, 18.0 * Vec3::Y, 0);
+    scene
+}
+
+/// A cube.
+fn block(scene: &mut Scene, low: Vec3, size: f32, material: u32) {
+    for axis in 0..3 {
+        let [n, a, b] = [0, 1, 2].map(|i| size * Vec3::AXES[(axis + i) % 3]);
+        quad(scene, low + n, a, b, material);
+        quad(scene, low, b, a, material);
+    }
 }
 
 fn quad(scene: &mut Scene, corner: Vec3, across: Vec3, up: Vec3, material: u32) {

@@ -13,6 +13,9 @@ use super::file::File;
 pub const VECTOR_COMPONENTS: [ComponentType; 5] =
     [ComponentType::F32, ComponentType::I8, ComponentType::U8, ComponentType::I16, ComponentType::U16];
 
+/// Most elements without data where nothing else bounds their number.
+const MOST_ZEROS: u64 = 1 << 16;
+
 /// A checked view of one accessor: every element below `count` can be read.
 pub struct Accessor<'a> {
     /// Name of the accessor in messages: its path in the JSON.
@@ -120,6 +123,20 @@ impl<'a> Accessor<'a> {
             }
         }
         Ok(Self { count, component, normalized: json.normalized, base, replaced, path })
+    }
+
+    /// The same, for what decides how much is read: there, zeros that no data stands for may not be many.
+    pub fn backed(self) -> Result<Self, String> {
+        self.bound()?;
+        Ok(self)
+    }
+
+    /// Its count, if that is no such one.
+    pub fn bound(&self) -> Result<u64, String> {
+        if self.base.is_none() && self.count > MOST_ZEROS {
+            return Err(format!("{}: its {} elements have no data: export the file again", self.path, self.count));
+        }
+        Ok(self.count)
     }
 
     /// The same, but with its elements in decoded Draco data: `attribute`, which covers `count` vertices.

@@ -17,29 +17,45 @@ const MARGIN: f64 = 1.1;
 /// A scene is flat where its smallest extent is below this share of its largest.
 const FLAT: f32 = 1e-3;
 
-/// The camera of a node; None if it is orthographic. Errors end with what is wrong and begin with nothing.
-pub fn convert(camera: &json::Camera, name: String, world_from_node: DAffine3) -> Result<Option<Camera>, String> {
-    match camera.type_ {
-        Checked::Valid(Type::Orthographic) => return Ok(None),
-        Checked::Valid(Type::Perspective) => {}
+/// The camera of a node. Errors end with what is wrong and begin with nothing.
+///
+/// An orthographic camera's magnifications are scaled with its node, as the file's axes are; half of what it sees.
+pub fn convert(camera: &json::Camera, name: String, world_from_node: DAffine3) -> Result<Camera, String> {
+    let (vertical_fov, aspect, orthographic_height) = match camera.type_ {
+        Checked::Valid(Type::Orthographic) => {
+            let Some(orthographic) = &camera.orthographic else {
+                return Err("it has no orthographic: export the file again".into());
+            };
+            let axes = world_from_node.matrix3;
+            let half_width = f64::from(orthographic.xmag).abs() * axes.x_axis.length();
+            let half_height = f64::from(orthographic.ymag).abs() * axes.y_axis.length();
+            let (height, aspect) = ((2.0 * half_height) as f32, (half_width / half_height) as f32);
+            if !(height > 0.0 && height.is_finite() && aspect > 0.0 && aspect.is_finite()) {
+                return Err("its xmag and ymag are not above 0: set them".into());
+            }
+            (DEFAULT_FOV as f32, Some(aspect), Some(height))
+        }
+        Checked::Valid(Type::Perspective) => {
+            let Some(perspective) = &camera.perspective else {
+                return Err("it has no perspective: export the file again".into());
+            };
+            let fov = perspective.yfov;
+            if !(fov > 0.0 && fov < std::f32::consts::PI) {
+                return Err(format!("its yfov is {fov}: set it between 0 and pi radians"));
+            }
+            let aspect = perspective.aspect_ratio;
+            if aspect.is_some_and(|aspect| !(aspect > 0.0 && aspect.is_finite())) {
+                return Err("its aspectRatio is not above 0: set or remove it".into());
+            }
+            (fov, aspect, None)
+        }
         Checked::Invalid => return Err("its type is unknown: export the file again".into()),
-    }
-    let Some(perspective) = &camera.perspective else {
-        return Err("it has no perspective: export the file again".into());
     };
-    let fov = perspective.yfov;
-    if !(fov > 0.0 && fov < std::f32::consts::PI) {
-        return Err(format!("its yfov is {fov}: set it between 0 and pi radians"));
-    }
-    let aspect = perspective.aspect_ratio;
-    if aspect.is_some_and(|aspect| !(aspect > 0.0 && aspect.is_finite())) {
-        return Err("its aspectRatio is not above 0: set or remove it".into());
-    }
     let back = world_from_node.matrix3.z_axis;
     let up = world_from_node.matrix3.y_axis;
     let world_from_camera =
         rigid(back, up, world_from_node.translation).ok_or("its node's scale is zero: give it a scale of 1")?;
-    Ok(Some(Camera { name, world_from_camera, vertical_fov: fov, aspect }))
+    Ok(Camera { name, world_from_camera, vertical_fov, orthographic_height, aspect })
 }
 
 /// A camera that sees the whole scene: from the front, a little from the side and above; a flat scene face-on.
@@ -71,6 +87,7 @@ pub fn framed(scene: &Scene) -> Camera {
         name: "default".into(),
         world_from_camera: rigid(back, up, eye(scene, right, up, back)).unwrap_or(turned),
         vertical_fov: DEFAULT_FOV as f32,
+        orthographic_height: None,
         aspect: None,
     }
 }

@@ -174,8 +174,11 @@ pub fn triangles<'a>(
             mode = Mode::Triangles;
             Indices::Draco(compressed)
         }
-        (None, Some(index)) => Indices::Accessor(Accessor::new(file, index.value(), Type::Scalar, &INDEX_COMPONENTS)?),
-        (None, None) => Indices::All(vertices),
+        (None, Some(index)) => {
+            let accessor = Accessor::new(file, index.value(), Type::Scalar, &INDEX_COMPONENTS)?;
+            Indices::Accessor(accessor.backed()?)
+        }
+        (None, None) => Indices::All(positions.base.bound()?),
     };
     let length = indices.count();
     let count = match mode {

@@ -96,7 +96,8 @@ impl<'a> Instances<'a> {
         let attributes = instancing.and_then(|instancing| instancing.get("attributes"));
         let attribute = |name: &str, kind| {
             let accessor = attributes.and_then(|a| a.get(name)).and_then(Value::as_u64);
-            accessor.map(|a| Accessor::new(file, a as usize, kind, &VECTOR_COMPONENTS)).transpose()
+            let accessor = accessor.map(|a| Accessor::new(file, a as usize, kind, &VECTOR_COMPONENTS)?.backed());
+            accessor.transpose()
         };
         let translations = attribute("TRANSLATION", Type::Vec3)?;
         let rotations = attribute("ROTATION", Type::Vec4)?;

@@ -11,25 +11,17 @@ pub enum Feature {
     ManyCoordinates,
     /// Materials.
     GlassAlpha,
-    /// Materials.
-    Unlit,
     /// Materials with an extension of this name.
     MaterialExtension(&'static str),
     /// Meshes.
     PointsOrLines,
-    /// Cameras.
-    Orthographic,
 }
 
 /// Extensions that add something to a material that the renderer does not have yet, and what they add.
-pub const MATERIAL_EXTENSIONS: [(&str, &str); 8] = [
-    ("KHR_materials_anisotropy", "Anisotropy"),
-    ("KHR_materials_clearcoat", "Clearcoat"),
+pub const MATERIAL_EXTENSIONS: [(&str, &str); 4] = [
     ("KHR_materials_diffuse_transmission", "Diffuse transmission"),
     ("KHR_materials_dispersion", "Dispersion"),
     ("KHR_materials_iridescence", "Iridescence"),
-    ("KHR_materials_pbrSpecularGlossiness", "Specular-glossiness"),
-    ("KHR_materials_sheen", "Sheen"),
     ("KHR_materials_subsurface", "Subsurface scattering"),
 ];
 
@@ -67,18 +59,12 @@ impl Notes {
                 Feature::GlassAlpha => {
                     format!("Alpha blending of glass (alphaMode BLEND with transmission) is ignored in {materials}.")
                 }
-                Feature::Unlit => {
-                    format!("Unlit materials are not supported: {materials} rendered as matt ones.")
-                }
                 Feature::MaterialExtension(name) => {
                     let what = MATERIAL_EXTENSIONS.iter().find(|(key, _)| *key == name).map_or(name, |(_, what)| what);
                     format!("{what} ({name}) is not supported yet: left out of {materials}.")
                 }
                 Feature::PointsOrLines => {
                     format!("Points and lines are not rendered: left out of {meshes}.")
-                }
-                Feature::Orthographic => {
-                    format!("Orthographic cameras are not supported: {} left out.", counted(n as u64, "camera"))
                 }
             };
             sentences.push(sentence);

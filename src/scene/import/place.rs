@@ -52,7 +52,7 @@ pub fn add_triangles(
     if scene.materials[material as usize].is_plain() && scene.materials[material as usize].is_masked_out() {
         return Ok(0);
     }
-    let mapped = scene.materials[material as usize].textures.normal.is_some();
+    let mapped = scene.materials[material as usize].tangent_slot().is_some();
     let tangents = if mapped { tangents_of(scene, triangles, material, &faces, world_from_mesh) } else { Vec::new() };
     // Scene vertex of each smooth vertex of the primitive that is in use, by the sign of its bitangent.
     let mut added: HashMap<(u32, bool), u32> = HashMap::new();
@@ -128,7 +128,7 @@ fn tangents_of(
         };
         return faces.iter().map(|face| std::array::from_fn(|i| of_corner(face, i))).collect();
     }
-    let slot = scene.materials[material as usize].textures.normal.as_ref().map_or(0, |(texture, _)| texture.slot);
+    let slot = scene.materials[material as usize].tangent_slot().unwrap_or(0);
     let corners = |face: &Face| {
         std::array::from_fn(|i| Corner {
             position: face.positions[i].as_dvec3(),
