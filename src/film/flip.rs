@@ -34,7 +34,7 @@ const WHITE: [f64; 3] = [0.950428545, 1.0, 1.088900371];
 
 /// FLIP's values, 0 (alike) to 1, of every pixel, row by row; images of different sizes are [`crate::Error::Input`].
 pub fn flip(image: &Image, reference: &Image) -> Result<Vec<f64>> {
-    check_sizes(image, reference)?;
+    check_sizes(image.size(), reference.size())?;
     let seen = |image: &Image| Plane {
         width: image.width as usize,
         height: image.height as usize,

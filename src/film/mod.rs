@@ -18,6 +18,13 @@ pub struct Image {
     pub pixels: Vec<[f32; 3]>,
 }
 
+impl Image {
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+}
+
 /// A further channel of the same size as the image it goes with, such as `Maps.Horizontal`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {

@@ -340,10 +340,12 @@ impl Chains<'_> {
         statistics.integrity = Some(integrity);
         let scale = ensemble.target() * self.pixels() as f64 / mutations;
         let (image, uncertainty) = layers.finish(scale, ensemble.target_error() / ensemble.target(), beneath);
-        let all = u64::from(groups) * layer;
-        let bytes = self.run.read(Buffer::Output, all..film_bytes(&self.settings, groups))?;
+        let mut directions: Vec<[f64; 2]> = Vec::new();
+        if self.settings.maps {
+            let behind = u64::from(groups) * layer..film_bytes(&self.settings, groups);
+            directions = channels_of(&self.run.read(Buffer::Output, behind)?);
+        }
         self.run.device_time = device_time;
-        let directions: Vec<[f64; 2]> = channels_of(&bytes);
         let channels = maps(&self.settings, |pixel, channel| directions[pixel][channel] as f32);
         Ok(Outcome { image, channels, uncertainty, statistics })
     }

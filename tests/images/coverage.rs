@@ -38,7 +38,7 @@ impl Hits {
         f64::from(self.hits) / f64::from(self.count)
     }
 
-    /// Whether the share lies within the limits, by no more than two standard errors of the number of renders.
+    /// Whether the share lies within the limits; says by how much the number of renders alone makes it uncertain.
     #[track_caller]
     fn check(&self, name: &str, renders: u32) {
         let error = (MISSING * (1.0 - MISSING) / f64::from(renders)).sqrt();
