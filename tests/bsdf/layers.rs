@@ -209,8 +209,8 @@ fn the_tables_are_the_layers_albedos() {
     let least = f64::from(sheen::SHEEN_ROUGHNESS);
     let of_sheen = |down: f64, cosine| sheen::albedo((least + (1.0 - least) * down).powi(2), cosine, 400);
     let of_coat = |down: f64, cosine| albedo::coat(down * down, cosine, 400);
-    let tables: [(&[f32], &dyn Fn(f64, f64) -> f64); 2] =
-        [(&albedo::SHEEN_ALBEDO, &of_sheen), (&albedo::COAT_ALBEDO, &of_coat)];
+    type Albedo<'a> = &'a dyn Fn(f64, f64) -> f64;
+    let tables: [(&[f32], Albedo); 2] = [(&albedo::SHEEN_ALBEDO, &of_sheen), (&albedo::COAT_ALBEDO, &of_coat)];
     for (table, albedo) in tables {
         for (row, column) in [(0, 8), (1, 15), (5, 6), (12, 20), (20, 3), (30, 30)] {
             let at = |i: usize, j: usize| f64::from(table[i * ALBEDO_ENTRIES + j]);

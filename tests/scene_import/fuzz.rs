@@ -36,7 +36,7 @@ impl Random {
     }
 
     fn below(&mut self, n: usize) -> usize {
-        (u64::from(self.next()) * n.max(1) as u64 >> 32) as usize
+        ((u64::from(self.next()) * n.max(1) as u64) >> 32) as usize
     }
 
     fn pick<'a, T>(&mut self, of: &'a [T]) -> &'a T {
@@ -73,7 +73,7 @@ fn number(random: &mut Random, old: f64) -> Value {
         7 => json!(-(random.below(1000) as f64)),
         8 => json!(*random.pick(&[1e38, -1e38, 1e39, 1e300, 1e-45, -0.0, 0.5, 1e15])),
         9 => json!(old * 1000.0),
-        10 => json!(old * -1.0),
+        10 => json!(-old),
         _ => json!(random.next() >> random.below(32)),
     }
 }
