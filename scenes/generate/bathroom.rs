@@ -58,19 +58,16 @@ fn room(scene: &mut Document) {
     let tiling = Tiling { size: Vec2::new(0.1, 0.1), gap: 0.0035, shift: 0.0, askew: 0.018 };
     let mut random = Random(21);
     let height = Vec3::Y * CEILING;
-    let back: [Mesh; 4] =
-        tiling.lay(Vec3::new(LEFT, 0.0, BACK + 0.003), Vec3::X * (RIGHT - LEFT), height, &mut random);
-    let right: [Mesh; 4] =
-        tiling.lay(Vec3::new(RIGHT - 0.003, 0.0, BACK), Vec3::Z * 1.6, height, &mut random);
+    let back: [Mesh; 4] = tiling.lay(Vec3::new(LEFT, 0.0, BACK + 0.003), Vec3::X * (RIGHT - LEFT), height, &mut random);
+    let right: [Mesh; 4] = tiling.lay(Vec3::new(RIGHT - 0.003, 0.0, BACK), Vec3::Z * 1.6, height, &mut random);
     for (i, glaze) in glazes.into_iter().enumerate() {
         scene.object(&format!("wall tiles {i}"), &Mesh::joined(&[back[i].clone(), right[i].clone()]), glaze);
     }
-    let floor = [[0.66, 0.62, 0.55], [0.61, 0.58, 0.52]]
-        .map(|rgb| scene.material(Material::glossy("floor tile", rgb, 0.25)));
+    let floor =
+        [[0.66, 0.62, 0.55], [0.61, 0.58, 0.52]].map(|rgb| scene.material(Material::glossy("floor tile", rgb, 0.25)));
     let tiling = Tiling { size: Vec2::new(0.30, 0.30), gap: 0.004, shift: 0.5, askew: 0.001 };
     let across = Vec3::X * (RIGHT - LEFT);
-    let tiles: [Mesh; 2] =
-        tiling.lay(Vec3::new(LEFT, 0.0, FRONT), across, Vec3::NEG_Z * (FRONT - BACK), &mut random);
+    let tiles: [Mesh; 2] = tiling.lay(Vec3::new(LEFT, 0.0, FRONT), across, Vec3::NEG_Z * (FRONT - BACK), &mut random);
     for (i, (mesh, glaze)) in tiles.iter().zip(floor).enumerate() {
         scene.object(&format!("floor tiles {i}"), mesh, glaze);
     }
@@ -92,9 +89,8 @@ fn ceiling_panel(scene: &mut Document) {
     scene.object("ceiling panel", &panel, white);
     let y = PANEL + 0.024;
     let (inset, width) = (0.04, 0.035);
-    let lying = |x: [f32; 2], z: [f32; 2]| {
-        quad(Vec3::new(x[0], y, z[0]), Vec3::Z * (z[1] - z[0]), Vec3::X * (x[1] - x[0]))
-    };
+    let lying =
+        |x: [f32; 2], z: [f32; 2]| quad(Vec3::new(x[0], y, z[0]), Vec3::Z * (z[1] - z[0]), Vec3::X * (x[1] - x[0]));
     let (x, z) = ([x[0] + inset, x[1] - inset], [z[0] + inset, z[1] - inset]);
     let strips = Mesh::joined(&[
         lying([x[0], x[0] + width], z),
@@ -137,8 +133,15 @@ fn vanity(scene: &mut Document) {
     let china = scene.material(Material::glossy("china", [0.84, 0.83, 0.80], 0.10));
     let x = [-1.02, 0.40];
     let depth = BACK + 0.54;
-    scene.object("board", &rounded_box(Vec3::new(0.5 * (x[1] - x[0]), 0.016, 0.27), 0.004, 3)
-        .at(0.5 * (x[0] + x[1]), TOP - 0.016, BACK + 0.27), stone);
+    scene.object(
+        "board",
+        &rounded_box(Vec3::new(0.5 * (x[1] - x[0]), 0.016, 0.27), 0.004, 3).at(
+            0.5 * (x[0] + x[1]),
+            TOP - 0.016,
+            BACK + 0.27,
+        ),
+        stone,
+    );
     scene.object("drawers", &block([x[0] + 0.02, x[1] - 0.02], [0.42, TOP - 0.03], [BACK, depth - 0.035]), dark);
     let middle = 0.5 * (x[0] + x[1]);
     let leaf = |a: f32, b: f32| front(Vec2::new(a, 0.42), Vec2::new(b, TOP - 0.045)).at(0.0, 0.0, depth - 0.03);
@@ -165,7 +168,10 @@ fn vanity(scene: &mut Document) {
     for (rgb, foot, tip) in brushes {
         let plastic = scene.material(Material::glossy("toothbrush", rgb, 0.3));
         // From the tumbler's floor over its rim.
-        let path = spline(&[[foot, 0.022, 0.0, 0.0045], [0.5 * (foot + tip), 0.11, 0.01, 0.0035], [tip, 0.19, 0.02, 0.005]], 5);
+        let path = spline(
+            &[[foot, 0.022, 0.0, 0.0045], [0.5 * (foot + tip), 0.11, 0.01, 0.0035], [tip, 0.19, 0.02, 0.005]],
+            5,
+        );
         scene.object("toothbrush", &place(rod(&path, 12), -0.66, 0.16), plastic);
     }
     let soap = scene.material(Material::glossy("soap", [0.78, 0.60, 0.50], 0.4));
@@ -177,7 +183,11 @@ fn vanity(scene: &mut Document) {
     for (i, rgb) in towels.into_iter().enumerate() {
         let cloth = scene.material(Material::lambert("towel", rgb));
         let fold = rounded_box(Vec3::new(0.095, 0.027, 0.13), 0.024, 4).turned(6.0 - 9.0 * i as f32);
-        scene.object(&format!("folded towel {i}"), &place(fold, -0.90, 0.24).at(0.0, 0.027 + 0.053 * i as f32, 0.0), cloth);
+        scene.object(
+            &format!("folded towel {i}"),
+            &place(fold, -0.90, 0.24).at(0.0, 0.027 + 0.053 * i as f32, 0.0),
+            cloth,
+        );
     }
 }
 
@@ -202,17 +212,37 @@ fn shower(scene: &mut Document) {
     let (x, z) = (0.88, BACK + 0.055);
     let riser = rod(&[[x, 1.02, z, 0.011], [x, 1.98, z, 0.011]], 24);
     let arm = spline(
-        &[[x, 1.96, z, 0.011], [x, 2.03, z + 0.02, 0.011], [x, 2.06, z + 0.09, 0.011], [x, 2.06, z + 0.34, 0.011],
-          [x, 2.03, z + 0.38, 0.011], [x, 2.00, z + 0.385, 0.011]], 6);
+        &[
+            [x, 1.96, z, 0.011],
+            [x, 2.03, z + 0.02, 0.011],
+            [x, 2.06, z + 0.09, 0.011],
+            [x, 2.06, z + 0.34, 0.011],
+            [x, 2.03, z + 0.38, 0.011],
+            [x, 2.00, z + 0.385, 0.011],
+        ],
+        6,
+    );
     let head = rod(&[[x, 1.975, z + 0.385, 0.105], [x, 1.99, z + 0.385, 0.105], [x, 2.005, z + 0.385, 0.03]], 48);
     let valve = rod(&[[x - 0.13, 1.02, z, 0.024], [x + 0.13, 1.02, z, 0.024]], 32);
     let knob = |s: f32| rod(&[[x + s * 0.13, 1.02, z, 0.029], [x + s * 0.19, 1.02, z, 0.027]], 32);
     let feet = |y: f32| rod(&[[x, y, BACK, 0.014], [x, y, z, 0.012]], 20);
     let parts = [riser, rod(&arm, 24), head, valve, knob(1.0), knob(-1.0), feet(1.08), feet(1.90)];
     scene.object("shower", &Mesh::joined(&parts), chrome);
-    let hand = rod(&[[x + 0.06, 1.50, z + 0.05, 0.014], [x + 0.06, 1.66, z + 0.075, 0.016], [x + 0.06, 1.70, z + 0.10, 0.034]], 24);
-    let hose = spline(&[[x + 0.06, 1.51, z + 0.05, 0.007], [x + 0.08, 1.20, z + 0.06, 0.007], [x + 0.05, 0.74, z + 0.05, 0.007],
-        [x, 0.70, z + 0.03, 0.007], [x - 0.03, 0.80, z + 0.01, 0.007], [x, 1.01, z, 0.007]], 8);
+    let hand = rod(
+        &[[x + 0.06, 1.50, z + 0.05, 0.014], [x + 0.06, 1.66, z + 0.075, 0.016], [x + 0.06, 1.70, z + 0.10, 0.034]],
+        24,
+    );
+    let hose = spline(
+        &[
+            [x + 0.06, 1.51, z + 0.05, 0.007],
+            [x + 0.08, 1.20, z + 0.06, 0.007],
+            [x + 0.05, 0.74, z + 0.05, 0.007],
+            [x, 0.70, z + 0.03, 0.007],
+            [x - 0.03, 0.80, z + 0.01, 0.007],
+            [x, 1.01, z, 0.007],
+        ],
+        8,
+    );
     let holder = rod(&[[x, 1.62, z, 0.012], [x + 0.06, 1.62, z + 0.065, 0.012]], 16);
     scene.object("hand shower", &Mesh::joined(&[hand, rod(&hose, 12), holder]), chrome);
 }
@@ -222,7 +252,8 @@ fn behind_the_camera(scene: &mut Document) {
     let paint = scene.material(Material::glossy("door paint", [0.62, 0.40, 0.22], 0.4));
     let brass = scene.material(Material::metal("door handle", [0.88, 0.70, 0.38], 0.25));
     let cloth = scene.material(Material::lambert("bath towel", [0.70, 0.32, 0.20]));
-    let turn = |mesh: Mesh, x: f32| mesh.moved(Quat::from_rotation_y(std::f32::consts::PI), Vec3::new(x, 0.0, FRONT - 0.01));
+    let turn =
+        |mesh: Mesh, x: f32| mesh.moved(Quat::from_rotation_y(std::f32::consts::PI), Vec3::new(x, 0.0, FRONT - 0.01));
     let (leaf, levers) = door(0.80, 2.0);
     scene.object("door", &turn(leaf, 0.95), paint);
     scene.object("door handles", &turn(levers, 0.95), brass);
@@ -231,7 +262,8 @@ fn behind_the_camera(scene: &mut Document) {
     let rail = rod(&[[x, 1.25, z[0], 0.009], [x, 1.25, z[1], 0.009]], 20);
     let post = |z: f32| rod(&[[LEFT, 1.25, z, 0.012], [x, 1.25, z, 0.010]], 16);
     scene.object("towel rail", &Mesh::joined(&[rail, post(z[0] + 0.02), post(z[1] - 0.02)]), brass);
-    let hang = |dx: f32, low: f32| rounded_box(Vec3::new(0.008, 0.5 * (1.27 - low), 0.23), 0.007, 3)
-        .at(x + dx, 0.5 * (1.27 + low), 0.90);
+    let hang = |dx: f32, low: f32| {
+        rounded_box(Vec3::new(0.008, 0.5 * (1.27 - low), 0.23), 0.007, 3).at(x + dx, 0.5 * (1.27 + low), 0.90)
+    };
     scene.object("bath towel", &Mesh::joined(&[hang(0.015, 0.62), hang(-0.015, 0.72)]), cloth);
 }

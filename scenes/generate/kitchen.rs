@@ -37,7 +37,7 @@ pub fn build() -> Document {
     shelf(&mut scene);
     lamp(&mut scene);
     worktop_things(&mut scene);
-    scene.camera("main", Vec3::new(0.60, 1.46, 0.72), Vec3::new(-0.38, 1.13, -1.3), 46.0);
+    scene.camera("main", Vec3::new(0.60, 1.46, 0.72), Vec3::new(-0.37, 1.17, -1.3), 46.0);
     scene
 }
 
@@ -62,12 +62,8 @@ fn room(scene: &mut Document) {
     let clay = [[0.46, 0.38, 0.31], [0.50, 0.42, 0.34], [0.43, 0.36, 0.29]]
         .map(|rgb| scene.material(Material::glossy("floor tile", rgb, 0.28)));
     let tiling = Tiling { size: Vec2::new(0.45, 0.45), gap: 0.005, shift: 0.0, askew: 0.001 };
-    let tiles: [Mesh; 3] = tiling.lay(
-        Vec3::new(LEFT, 0.0, FRONT),
-        Vec3::X * (RIGHT - LEFT),
-        Vec3::NEG_Z * (FRONT - BACK),
-        &mut Random(3),
-    );
+    let tiles: [Mesh; 3] =
+        tiling.lay(Vec3::new(LEFT, 0.0, FRONT), Vec3::X * (RIGHT - LEFT), Vec3::NEG_Z * (FRONT - BACK), &mut Random(3));
     for (i, (mesh, glaze)) in tiles.iter().zip(clay).enumerate() {
         scene.object(&format!("floor tiles {i}"), mesh, glaze);
     }
@@ -77,8 +73,7 @@ fn room(scene: &mut Document) {
         .map(|rgb| scene.material(Material::glossy("glazed tile", rgb, 0.15)));
     let tiling = Tiling { size: Vec2::new(0.20, 0.10), gap: 0.004, shift: 0.5, askew: 0.012 };
     let low = Vec3::new(LEFT, TOP, BACK + 0.003);
-    let tiles: [Mesh; 3] =
-        tiling.lay(low, Vec3::X * (FRIDGE - LEFT), Vec3::Y * (CEILING - 0.22 - TOP), &mut Random(8));
+    let tiles: [Mesh; 3] = tiling.lay(low, Vec3::X * (FRIDGE - LEFT), Vec3::Y * (CEILING - 0.22 - TOP), &mut Random(8));
     for (i, (mesh, glaze)) in tiles.iter().zip(glazes).enumerate() {
         scene.object(&format!("wall tiles {i}"), mesh, glaze);
     }
@@ -251,7 +246,9 @@ fn worktop_things(scene: &mut Document) {
         mesh.at(-0.36 + x, TOP + y, BACK + 0.36 + z)
     };
     let lemons = [
-        fruit(-0.05, 0.060, 0.03, 20.0), fruit(0.045, 0.060, 0.035, 100.0), fruit(0.005, 0.060, -0.05, -30.0),
+        fruit(-0.05, 0.060, 0.03, 20.0),
+        fruit(0.045, 0.060, 0.035, 100.0),
+        fruit(0.005, 0.060, -0.05, -30.0),
         fruit(0.0, 0.108, 0.012, 55.0),
     ];
     scene.object("lemons", &Mesh::joined(&lemons), lemon);

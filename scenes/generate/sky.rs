@@ -102,3 +102,23 @@ fn runs(bytes: &[u8], file: &mut Vec<u8>) {
         file.extend(&bytes[start..at]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_renderer_reads_the_sky_as_it_was_made() {
+        let sky = evening();
+        let path = std::env::temp_dir().join(format!("emlt-sky-{}.hdr", std::process::id()));
+        std::fs::write(&path, sky.radiance()).unwrap();
+        let read = emlt::scene::environment::read(&path);
+        std::fs::remove_file(&path).unwrap();
+        let read = read.unwrap();
+        assert_eq!((read.width as usize, read.height as usize), (WIDTH, HEIGHT));
+        for (made, got) in sky.pixels.iter().zip(&read.pixels) {
+            let off = (*made - Vec3::from_array(*got)).abs().max_element();
+            assert!(off <= made.max_element() / 128.0, "{made} was read as {got:?}");
+        }
+    }
+}
