@@ -24,6 +24,12 @@ impl Material {
         Self { name, base_color, metallic: 0.0, roughness: 1.0, emission: None, extensions }
     }
 
+    /// The default dielectric: diffuse below a GGX surface of ior 1.5 with alpha = roughness^2.
+    pub fn glossy(name: &str, albedo: [f32; 3], roughness: f32) -> Self {
+        let (name, base_color, extensions) = (name.to_string(), albedo, json!({}));
+        Self { name, base_color, metallic: 0.0, roughness, emission: None, extensions }
+    }
+
     /// A GGX conductor with alpha = roughness^2 and `tint` as its reflectance at normal incidence.
     pub fn metal(name: &str, tint: [f32; 3], roughness: f32) -> Self {
         let (name, base_color, extensions) = (name.to_string(), tint, json!({}));

@@ -2,12 +2,16 @@
 //! Metres, +y up. The output depends on nothing but this code.
 
 mod ajar;
+mod bathroom;
 mod checks;
 mod cornell;
 mod crockery;
+mod displaced_wall;
+mod fittings;
 mod furniture;
 mod glb;
 mod implicit;
+mod kitchen;
 mod mesh;
 mod mirrors;
 mod pool;
@@ -16,6 +20,7 @@ mod ring;
 mod rough_glass;
 mod shapes;
 mod shards;
+mod sky;
 mod slit;
 
 use std::path::Path;
@@ -31,6 +36,9 @@ fn main() -> std::io::Result<()> {
         ("scenes/mirrors.glb", mirrors::build()),
         ("scenes/rough_glass.glb", rough_glass::build()),
         ("scenes/pool.glb", pool::build(0.004)),
+        ("scenes/kitchen.glb", kitchen::build()),
+        ("scenes/displaced_wall.glb", displaced_wall::build()),
+        ("scenes/bathroom.glb", bathroom::build()),
         ("tests/scenes/coloured_box.glb", checks::coloured_box()),
         ("tests/scenes/pool_wide_lamp.glb", pool::build(0.06)),
         ("tests/scenes/lamp_in_glass.glb", checks::lamp_in_glass()),
@@ -49,5 +57,7 @@ fn main() -> std::io::Result<()> {
         }
         std::fs::write(path, file)?;
     }
-    Ok(())
+    let sky = sky::evening().radiance();
+    println!("scenes/sky.hdr: {} bytes", sky.len());
+    std::fs::write(root.join("scenes/sky.hdr"), sky)
 }
