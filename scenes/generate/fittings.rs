@@ -6,6 +6,9 @@ use crate::shapes::{Profile, ellipsoid, lathe, rod, rounded_box, smooth_profile,
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
+/// What is left over at a border and narrower than this gets no tile: its bevels would cross.
+const SMALLEST: f32 = 0.012;
+
 /// Tiles with bevelled edges, each set a little askew, over the parallelogram of `u` and `v` from `corner`; it faces
 /// `u x v`. Rows run along `u`; `shift` of a tile moves every other row. What lies between them is left open.
 pub struct Tiling {
@@ -26,11 +29,11 @@ impl Tiling {
             let low = row as f32 * self.size.y;
             let high = (low + self.size.y).min(height);
             let mut start = if row % 2 == 1 { self.shift * self.size.x - self.size.x } else { 0.0 };
-            while start < length - 0.004 {
+            while start < length - SMALLEST {
                 let end = (start + self.size.x).min(length);
                 let glaze = (random.unit() * N as f32) as usize;
                 let lean = Vec2::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0)) * self.askew;
-                if end > 0.004 && high - low > 0.004 {
+                if end > SMALLEST && high - low > SMALLEST {
                     let half_gap = Vec2::splat(0.5 * self.gap);
                     let (a, b) = (Vec2::new(start.max(0.0), low) + half_gap, Vec2::new(end, high) - half_gap);
                     let middle = 0.5 * (a + b);

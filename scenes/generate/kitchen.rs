@@ -6,7 +6,7 @@ use crate::fittings::{Tiling, bar_handle, bottle, bowl, cooking_pot, front, sauc
 use crate::glb::{Document, Material};
 use crate::mesh::Mesh;
 use crate::random::Random;
-use crate::shapes::{block, icosphere, lathe, quad, rod, rounded_box, smooth_profile};
+use crate::shapes::{block, ellipsoid, icosphere, lathe, quad, rod, rounded_box, smooth_profile};
 use glam::{Quat, Vec2, Vec3};
 
 const LEFT: f32 = -1.75;
@@ -149,7 +149,7 @@ fn units(scene: &mut Document) {
     let top = front(Vec2::new(x[0], 2.15), Vec2::new(x[1], CEILING - 0.01));
     let wall_top = block([FRIDGE, RIGHT], [2.141, CEILING], [BACK, z - 0.03]);
     scene.object("cupboard over the refrigerator", &wall_top, carcass);
-    scene.object("its front", &top.at(0.0, 0.0, z - 0.02), lacquer);
+    scene.object("front over the refrigerator", &top.at(0.0, 0.0, z - 0.02), lacquer);
 }
 
 /// A steel trough under the worktop, with the tap behind it.
@@ -242,7 +242,7 @@ fn worktop_things(scene: &mut Document) {
     let fruit_bowl = bowl().at(-0.36, top, BACK + 0.36);
     scene.object("fruit bowl", &fruit_bowl, bowl_glaze);
     let fruit = |x: f32, y: f32, z: f32, turn: f32| {
-        let mesh = crate::shapes::ellipsoid(Vec3::new(0.040, 0.032, 0.032), 3).turned(turn);
+        let mesh = ellipsoid(Vec3::new(0.040, 0.032, 0.032), 3).turned(turn);
         mesh.at(-0.36 + x, TOP + y, BACK + 0.36 + z)
     };
     let lemons = [
@@ -256,7 +256,7 @@ fn worktop_things(scene: &mut Document) {
     scene.object("limes", &Mesh::joined(&limes), lime);
 
     let board = rounded_box(Vec3::new(0.15, 0.21, 0.010), 0.006, 3);
-    let lean = Quat::from_rotation_y(0.0) * Quat::from_rotation_x(-0.16);
+    let lean = Quat::from_rotation_x(-0.16);
     scene.object("cutting board", &board.moved(lean, Vec3::new(-0.50, TOP + 0.208, BACK + 0.055)), wood);
     scene.object("oil bottle", &bottle(0.034, 0.29, 0.014).at(-0.12, top, BACK + 0.20).closed(), oil);
     for (i, (x, z)) in [(-0.62, 0.44), (-0.70, 0.33)].into_iter().enumerate() {
