@@ -208,7 +208,7 @@ mod tests {
         let overlay = Overlay { maps: 0.0, error: Some(ErrorMap::Own), reference: false };
         let shown =
             |picture| develop(&image(&[[1.0; 3], [1.97; 3]]), picture, Tone::default(), &overlay, None).pixels.clone();
-        assert_eq!(shown(&picture), [UNKNOWN, heat(0.99)]);
+        assert_eq!(shown(&picture), [UNKNOWN, heat(1.0)]);
         assert_eq!(shown(&Picture::default())[0], Color32::WHITE, "not told yet");
     }
 
