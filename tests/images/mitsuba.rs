@@ -154,7 +154,8 @@ fn long_rough_glass_by_mlt() {
 }
 
 #[test]
-fn rough_glass_by_emlt() {
+#[ignore = "takes minutes; ./run test --long"]
+fn long_rough_glass_by_emlt() {
     compare("rough_glass", ROUGH_GLASS, FULL_DEPTH, Emlt, [120, 16], Power { film: 0.03, tile: 0.4 });
 }
 

@@ -36,7 +36,8 @@ fn against_path_tracing(method: Method, threshold: f32) {
 }
 
 #[test]
-fn glossy_box_with_lobes_as_specular_by_mlt() {
+#[ignore = "takes minutes; ./run test --long"]
+fn long_glossy_box_with_lobes_as_specular_by_mlt() {
     against_path_tracing(Mlt, GLOSSY_AS_SPECULAR_ALPHA);
 }
 
