@@ -6,8 +6,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::Result;
-use crate::kernels;
-use crate::methods::{Method, default_mix};
+use crate::gpu::shader::{Variant, compose};
+use crate::kernels::{self, Kernel};
+use crate::methods::{Method, Settings, default_mix};
 use crate::scene::light::{Light, LightKind};
 use crate::scene::{Features, Scene, environment, import::import};
 
@@ -75,12 +76,17 @@ fn summary(scene: &Scene) -> String {
             .filter(|m| default_mix(*m).iter().any(|(k, weight)| k.name == kernel.name && *weight > 0.0))
             .map(Method::name);
         let runs: Vec<&str> = runs.collect();
-        let state = match (kernel.useless)(Features::of(scene)) {
+        let features = Features::of(scene);
+        let state = match (kernel.useless)(features) {
             Some(why) => format!("not used: {why}"),
             None if runs.is_empty() => "by --kernels alone".into(),
             None => format!("by default in {}", runs.join(" and ")),
         };
-        row("kernel", format!("{}, {state} ({})", kernel.name, kernel.about));
+        let size = match (kernel.useless)(features) {
+            None => format!("; a shader of {} KiB", shader_bytes(kernel, features).div_ceil(1024)),
+            Some(_) => String::new(),
+        };
+        row("kernel", format!("{}, {state} ({}{size})", kernel.name, kernel.about));
     }
     text
 }
@@ -115,6 +121,14 @@ fn lights(scene: &Scene) -> String {
     let triangles = (count > 0).then(|| format!("{count} emissive triangles of area {area:.4}"));
     let parts: Vec<String> = [triangles, sky, map].into_iter().chain(kinds).flatten().collect();
     if parts.is_empty() { "none".into() } else { parts.join(", ") }
+}
+
+/// Bytes of WGSL that a kernel is compiled from for such a scene, with paths of the default length; 0 if it does not
+/// compose, which rendering would report.
+fn shader_bytes(kernel: &Kernel, features: Features) -> usize {
+    let max_edges = Settings::default().max_depth;
+    compose(&Variant { pass: kernel.pass, features, max_edges, flags: kernel.flags.to_vec() })
+        .map_or(0, |text| text.len())
 }
 
 #[cfg(test)]
@@ -160,5 +174,7 @@ features   diffuse only
         assert_eq!(kernels.len(), kernels::ALL.len());
         assert!(kernels.iter().any(|k| k.starts_with("kernel     lens, by default in mlt and emlt (")));
         assert!(kernels.iter().any(|k| k.contains("caustic, not used: no material is specular")));
+        let sized = |k: &&&str| k.contains("; a shader of ") && k.ends_with(" KiB)");
+        assert_eq!(kernels.iter().filter(sized).count(), kernels.iter().filter(|k| !k.contains("not used")).count());
     }
 }
