@@ -49,7 +49,7 @@ pub fn settings_for(truth: &Truth, method: Method, max_depth: u32, samples_per_p
 fn compare(name: &str, path: &str, max_depth: u32, method: Method, [spp, count]: [u32; 2], power: Power) {
     let truth = reference(name);
     let mut settings = settings_for(&truth, method, max_depth, spp);
-    if ["shards_4_edges", "rough_glass"].contains(&name) {
+    if ["shards_4_edges", "rough_glass", "ring", "slit"].contains(&name) {
         // Rare paths hold per cents of the light there, and b's noise would hide what the test is to see.
         settings.candidates = CANDIDATES;
     }
@@ -185,8 +185,8 @@ fn long_shards_by_pt() {
     compare("shards", SHARDS, FULL_DEPTH, Pt, [400, 24], Power { film: 0.02, tile: 0.05 });
 }
 
-// What mlt and emlt are asked to see in the scenes below is a wish, not a measurement: their kernels for caustics and
-// narrow passages are still to come, and these tests have not been run.
+// Those of mirrors have been run; what those of ring and slit are asked to see is a wish, not a measurement (ring agreed
+// with a quarter of the candidates, which let it see 6 % of the film).
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
 fn long_ring_by_mlt() {
