@@ -20,7 +20,7 @@ use crate::film::layers::Layers;
 use crate::gpu::context::Context;
 use crate::gpu::layout::{COUNTER_WORDS, chain_rows};
 use crate::gpu::pipelines::{Built, Compilation};
-use crate::gpu::run::{Buffer, Run, Sizes};
+use crate::gpu::run::{Buffer, PASS_SLOTS, Run, Sizes};
 use crate::gpu::scene::GpuScene;
 use crate::kernels::{
     Kernel, bidirectional, caustic, guided_bidirectional, guided_lens, independence, lens, multi_chain,
@@ -202,8 +202,7 @@ impl<'a> Chains<'a> {
         if let Some(limit) = limit {
             self.run.wait()?;
             if perturbs {
-                let fitting = self.dispatches_per_step as f64 * limit.as_secs_f64() / start.elapsed().as_secs_f64();
-                self.dispatches_per_step = (fitting as usize).clamp(1, 2 * self.dispatches_per_step);
+                self.dispatches_per_step = fitting(self.dispatches_per_step, limit, start.elapsed());
             }
         }
         self.statistics.render_s += start.elapsed().as_secs_f64();
@@ -348,5 +347,27 @@ impl Chains<'_> {
         self.run.device_time = device_time;
         let channels = maps(&self.settings, |pixel, channel| directions[pixel][channel] as f32);
         Ok(Outcome { image, channels, uncertainty, statistics })
+    }
+}
+
+/// Dispatches for the next step where `dispatches` took so long: as many as fit into the limit, at most twice as many as
+/// before, and no more than a submission holds.
+fn fitting(dispatches: usize, limit: Duration, took: Duration) -> usize {
+    let fitting = dispatches as f64 * limit.as_secs_f64() / took.as_secs_f64();
+    (fitting as usize).clamp(1, (2 * dispatches).min(PASS_SLOTS))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_grow_to_a_submission_and_shrink_to_one_dispatch() {
+        let [limit, short, long] = [40, 1, 1000].map(Duration::from_millis);
+        // Steps that are always short must not double for ever.
+        let most = (0..100).fold(1, |dispatches, _| fitting(dispatches, limit, short));
+        assert_eq!(most, PASS_SLOTS);
+        assert_eq!(fitting(most, limit, Duration::ZERO), PASS_SLOTS);
+        assert_eq!((fitting(100, limit, long), fitting(3, limit, long), fitting(10, limit, limit)), (4, 1, 10));
     }
 }
