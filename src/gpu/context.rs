@@ -160,7 +160,7 @@ impl Context {
     }
 
     /// The sources of pipelines that are built from now on.
-    pub(super) fn sources(&self) -> Sources {
+    pub fn sources(&self) -> Sources {
         self.sources.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 

@@ -90,8 +90,9 @@ pub fn start(device: Option<String>, wake: Arc<dyn Fn() + Send + Sync>) -> Resul
 /// the image begins anew.
 pub(super) fn work(context: Context, state: State, another: impl FnOnce() -> Result<Context>) {
     let Some(state) = Worker::new(&context, state).run() else { return };
+    let sources = context.sources();
     drop(context);
-    match another() {
+    match another().and_then(|context| context.set_sources(sources).map(|()| context)) {
         Ok(context) => {
             state.out.send(Event::Note("the device was lost and opened again: the image begins anew".into()));
             Worker::new(&context, state).run();

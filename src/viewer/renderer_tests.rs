@@ -12,6 +12,7 @@ use super::messages::{Command, Event, Job, Outbox};
 use super::worker::State;
 use crate::film::{Image, exr};
 use crate::gpu::context::Context;
+use crate::gpu::shader::Sources;
 use crate::methods::{Method, Settings};
 
 /// The first of its events that is wanted.
@@ -129,6 +130,13 @@ fn a_lost_device_is_opened_again() {
     let (sender, events) = mpsc::channel();
     let context = Context::open(None).unwrap();
     let device = context.device.clone();
+    // Shaders of a folder, at half the light, are to be at work on the next device too.
+    let folder = tempfile::tempdir().unwrap();
+    copy_tree(&Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders"), folder.path());
+    let pass = folder.path().join("passes/path_trace.wesl");
+    let text = fs::read_to_string(&pass).unwrap().replacen("let radiance = ", "let radiance = 0.5 * ", 1);
+    fs::write(&pass, text).unwrap();
+    context.set_sources(Sources::read(folder.path()).unwrap()).unwrap();
     let thread = thread::spawn(move || {
         let state = State::new(inbox, Outbox { events: sender, wake: Arc::new(|| {}) });
         launch::work(context, state, || Context::open(None));
@@ -142,11 +150,13 @@ fn a_lost_device_is_opened_again() {
     let settings = Settings { width: 32, height: 24, method: Method::Pt, ..Settings::default() };
     send(Command::Render(Box::new(Job { settings, camera: opened.cameras[0].clone(), second: None })));
     let picture = |event| match event {
-        Event::Picture { picture, .. } if !picture.preview => Some(picture.statistics.samples),
+        Event::Picture { picture, .. } if !picture.preview && picture.statistics.samples > 64 * 32 * 24 => {
+            picture.image.map(|image| image.pixels.iter().map(|p| f64::from(p[1])).sum::<f64>())
+        }
         Event::Failed(sentence) => panic!("{sentence}"),
         _ => None,
     };
-    wait_for(&events, "picture", picture);
+    let before = wait_for(&events, "picture", picture);
     device.destroy();
     let sentence = wait_for(&events, "sentence", |event| match event {
         Event::Failed(sentence) => Some(sentence),
@@ -154,7 +164,8 @@ fn a_lost_device_is_opened_again() {
     });
     assert!(sentence.contains("lost"), "{sentence}");
     wait_for(&events, "note", |event| matches!(event, Event::Note(text) if text.contains("anew")).then_some(()));
-    wait_for(&events, "picture from another device", picture);
+    let after = wait_for(&events, "picture from another device", picture);
+    assert!((after / before - 1.0).abs() < 0.05, "{before} {after}");
     drop(commands);
     thread.join().unwrap();
 }
