@@ -13,7 +13,7 @@ use super::messages::{Command, Event, Job, Opened};
 use super::orbit::Orbit;
 use super::slot::{ErrorMap, Overlay, Slot};
 use super::tone::Tone;
-use super::watch::{self, Watch};
+use super::watch::Watch;
 use crate::film::Image;
 use crate::methods::{Method, Settings, default_size};
 use crate::scene::Camera;
@@ -63,8 +63,8 @@ pub struct Viewer {
     pub(super) mix_error: Option<String>,
     /// When changed settings take effect.
     apply_at: Option<f64>,
-    watch: Option<Watch>,
-    shaders: Option<Watch>,
+    pub(super) watch: Option<Watch>,
+    pub(super) shaders: Option<Watch>,
     /// Seconds that the interface took for its last frames, and between them.
     pub(super) pace: Pace,
 }
@@ -311,58 +311,6 @@ impl Viewer {
         let path = free_name(&scene.name, |path| path.exists());
         self.note = Some(Note { text: format!("saving {}", path.display()), error: false });
         self.send(Command::Save(path));
-    }
-
-    /// Reads the scene again.
-    pub(super) fn reload(&mut self) {
-        if let Some(scene) = &self.scene {
-            self.send(Command::Open(scene.path.clone()));
-        }
-    }
-
-    /// Uses a folder's shaders, now and whenever one of them changes.
-    pub(super) fn use_shaders(&mut self, folder: &Path) {
-        self.shaders = Some(Watch::new(folder));
-        self.send(Command::Shaders(folder.to_path_buf()));
-    }
-
-    fn take_dropped(&mut self, ctx: &egui::Context) {
-        let files = ctx.input(|i| i.raw.dropped_files.clone());
-        for file in files {
-            self.take_file(file.path());
-        }
-    }
-
-    /// A scene or a reference, by its name.
-    pub(super) fn take_file(&mut self, path: &Path) {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("glb" | "gltf") => self.send(Command::Open(path.to_path_buf())),
-            Some("exr") => self.send(Command::Image(path.to_path_buf())),
-            Some("hdr") => self.send(Command::Sky(path.to_path_buf())),
-            _ => {
-                let text = format!(
-                    "{} is neither a scene nor an image: drop a .glb or .gltf scene, a sky (.hdr, .exr) or a reference (.exr)",
-                    path.display()
-                );
-                self.note = Some(Note { text, error: true });
-            }
-        }
-    }
-
-    fn look_at_the_disk(&mut self, ctx: &egui::Context) {
-        let now = ctx.input(|i| i.time);
-        let changed = |watch: &mut Option<Watch>| {
-            let watch = watch.as_mut()?;
-            watch.changed(now).then(|| watch.path().to_path_buf())
-        };
-        if let Some(path) = changed(&mut self.watch) {
-            self.send(Command::Open(path));
-        }
-        if let Some(path) = changed(&mut self.shaders) {
-            self.send(Command::Shaders(path));
-        }
-        ctx.request_repaint_after(Duration::from_secs_f64(watch::INTERVAL_S));
     }
 
     /// Whether the reference is of the image's size.

@@ -9,6 +9,7 @@ mod canvas;
 mod command_line;
 mod curve;
 mod display;
+mod files;
 mod keys;
 mod launch;
 mod messages;
@@ -16,6 +17,7 @@ mod orbit;
 mod preview;
 #[cfg(test)]
 mod renderer_tests;
+mod saving;
 mod screen;
 mod settings;
 mod slot;

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError};
-use std::thread::{self, JoinHandle};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::messages::{Command, ErrorPoint, Event, Job, Opened, Outbox, OwnError, Picture};
@@ -16,8 +16,7 @@ use crate::film::uncertainty::Uncertainty;
 use crate::film::{Image, exr, metrics};
 use crate::gpu::context::Context;
 use crate::gpu::shader::Sources;
-use crate::methods::{Method, Outcome, Prepared, Session, Settings, Stage};
-use crate::report::outputs::{self, Outputs};
+use crate::methods::{Outcome, Prepared, Session, Settings, Stage};
 use crate::scene::environment;
 use crate::scene::import::import;
 use crate::scene::light::Environment;
@@ -36,8 +35,8 @@ const ESTIMATES_SHARE: f64 = 0.05;
 const BETWEEN_PROGRESS: Duration = Duration::from_millis(100);
 
 /// A scene with what was made of it for the device.
-struct Loaded {
-    scene: Scene,
+pub(super) struct Loaded {
+    pub(super) scene: Scene,
     path: PathBuf,
     /// By the bits of the threshold below which lobes are specular.
     prepared: HashMap<u32, Prepared>,
@@ -56,9 +55,9 @@ impl Loaded {
 }
 
 /// One picture on its way.
-struct Track<'a> {
-    settings: Settings,
-    session: Session<'a>,
+pub(super) struct Track<'a> {
+    pub(super) settings: Settings,
+    pub(super) session: Session<'a>,
     /// Time spent on it: tracks take turns by this, so that their images are of equal time.
     spent: Duration,
     shown: Option<Instant>,
@@ -73,13 +72,13 @@ struct Track<'a> {
 pub struct State {
     inbox: Receiver<Command>,
     pub out: Outbox,
-    loaded: Option<Loaded>,
+    pub(super) loaded: Option<Loaded>,
     job: Option<Job>,
     moving: bool,
     paused: bool,
     reference: Option<Arc<Image>>,
     sky: Option<(PathBuf, Environment)>,
-    saves: Vec<JoinHandle<()>>,
+    pub(super) saves: Vec<JoinHandle<()>>,
 }
 
 impl State {
@@ -101,9 +100,9 @@ impl State {
 /// The renderer between two steps.
 pub struct Worker<'a> {
     context: &'a Context,
-    state: State,
+    pub(super) state: State,
     /// Empty before the first step of a job, and while the camera moves.
-    tracks: Vec<Track<'a>>,
+    pub(super) tracks: Vec<Track<'a>>,
     preview: Option<Preview<'a>>,
     /// The job cannot go on; the window has heard why.
     failed: bool,
@@ -373,40 +372,4 @@ impl<'a> Worker<'a> {
         }
         Ok(())
     }
-
-    /// Takes the pictures as they stand; the files are written on a thread of their own, which outlives the window.
-    fn save(&mut self, path: &Path) -> Result<()> {
-        let Some(loaded) = &self.state.loaded else { return Ok(()) };
-        if self.tracks.is_empty() || self.tracks.iter().any(|track| !track.session.has_image()) {
-            return Err(Error::input("there is no image to save yet: wait until the preview has gone"));
-        }
-        let several = self.tracks.len() > 1;
-        let mut writes: Vec<(Outputs, Settings, Outcome)> = Vec::new();
-        for track in &mut self.tracks {
-            while !track.session.is_whole() {
-                track.session.advance(None)?;
-            }
-            let path = if several { with_method(path, track.settings.method) } else { path.to_path_buf() };
-            let outcome = track.session.snapshot()?;
-            writes.push((Outputs::new(path, track.settings.maps), track.settings.clone(), outcome));
-        }
-        // The file's header needs the name alone.
-        let scene = Scene { name: loaded.scene.name.clone(), ..Scene::default() };
-        let out = self.state.out.clone();
-        self.state.saves.retain(|save| !save.is_finished());
-        self.state.saves.push(thread::spawn(move || {
-            for (outputs, settings, outcome) in writes {
-                out.send(match outputs::write(&outputs, &scene, &settings, &outcome) {
-                    Ok(_) => Event::Note(format!("saved {} with its preview", outputs.exr.display())),
-                    Err(error) => Event::Failed(error.to_string()),
-                });
-            }
-        }));
-        Ok(())
-    }
-}
-
-/// `a.exr` becomes `a.mlt.exr`.
-fn with_method(path: &Path, method: Method) -> PathBuf {
-    path.with_extension(format!("{}.exr", method.name()))
 }
