@@ -187,10 +187,14 @@ impl Start {
 
     /// Begins what [`Self::run`] does at once; nothing is made yet.
     pub fn begin(&self, run: &Run) -> Starting {
-        let only_sky = self.features.sky && !self.features.mixed;
-        let strategies = Strategies::uniform(self.min_edges..=self.max_edges, only_sky);
+        let strategies = self.even();
         let draw = self.draw(run, &strategies, self.pilot(), PILOT_PASSES[0]);
         Starting { strategies, pixel_weights: None, rays: 0, candidates: self.candidates, draw }
+    }
+
+    /// Strategies before anything is known.
+    fn even(&self) -> Strategies {
+        Strategies::uniform(self.min_edges..=self.max_edges, self.features.sky && !self.features.mixed)
     }
 
     /// Makes one batch of candidates; whether more are to be made.
@@ -205,7 +209,7 @@ impl Start {
                     .zip(pilot)
                     .zip(waited_for(pilot))
                     .map(|((strategy, candidate), rays)| (*strategy, candidate.weight(), rays)),
-                &Strategies::uniform(self.min_edges..=self.max_edges, self.features.sky),
+                &self.even(),
             );
             starting.pixel_weights = self.two_stage.map(|gamma| {
                 let splats: Vec<_> = pilot.iter().map(|candidate| (candidate.pixel, candidate.weight())).collect();

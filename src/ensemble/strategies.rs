@@ -69,6 +69,7 @@ impl Strategies {
     /// allocation of least variance at equal cost (Neyman 1934), with a defensive share spread as in `even`. Strategies
     /// overlap, so that one adaptation is a step towards the best allocation and not yet there.
     pub fn adapted(&self, pilot: impl Iterator<Item = ([u32; 2], f64, f64)>, even: &Self) -> Self {
+        assert!(self.entries.iter().map(|e| e.0).eq(even.entries.iter().map(|e| e.0)), "strategies of another kind");
         let mut sums = vec![[0.0f64; 3]; self.entries.len()];
         for (strategy, weight, rays) in pilot {
             let i = self.position(strategy);
