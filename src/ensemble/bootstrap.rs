@@ -13,9 +13,12 @@ use crate::scene::Features;
 
 /// Candidates from which b and the seeds come, unless told otherwise.
 pub const CANDIDATES: u32 = 1 << 20;
-/// Candidates from which the strategies' probabilities, and w of a two-stage target, are set before, in each of two
-/// rounds; neither b nor the start uses them again.
-const PILOT: u32 = 1 << 15;
+/// Candidates of the two rounds from which the strategies' probabilities are set before; neither b nor the start uses them
+/// again.
+const PILOTS: [u32; 2] = [1 << 15, 1 << 15];
+/// The same where the second round also sets w of a two-stage target: it has to tell every part of the film, and one
+/// candidate in a hundred carries light in some scenes.
+const TWO_STAGE_PILOTS: [u32; 2] = [1 << 15, 1 << 17];
 /// Candidates a dispatch.
 pub const BATCH: u32 = 1 << 16;
 /// Invocations that wait for the slowest among them: the lanes of a processor's vectors. GPUs have 32 and more.
@@ -136,24 +139,23 @@ pub struct Starting {
     rays: u64,
     /// That count.
     candidates: u32,
+    /// Candidates of each pilot: no more than those that count.
+    pilots: [u32; 2],
+    /// Pilots that are done with.
+    round: usize,
     draw: Draw,
 }
 
 impl Starting {
     /// Share of the candidates that are made, in [0, 1].
     pub fn share(&self) -> f64 {
-        let pilot = PILOT.min(self.candidates);
-        let before = pilot * self.pilots() as u32;
-        (f64::from(before) + self.draw.candidates.len() as f64) / f64::from(2 * pilot + self.candidates)
-    }
-
-    /// Pilots that are done with.
-    fn pilots(&self) -> usize {
-        PILOT_PASSES.iter().position(|pass| *pass == self.draw.pass_index).unwrap_or(PILOT_PASSES.len())
+        let sum = |counts: &[u32]| f64::from(counts.iter().sum::<u32>());
+        let before = sum(&self.pilots[..self.round]) + self.draw.candidates.len() as f64;
+        before / (sum(&self.pilots) + f64::from(self.candidates))
     }
 
     fn is_done(&self) -> bool {
-        self.draw.pass_index == CANDIDATE_PASS && self.draw.is_done()
+        self.round == self.pilots.len() && self.draw.is_done()
     }
 }
 
@@ -180,16 +182,13 @@ impl Start {
         self.finish(run, starting)
     }
 
-    /// Candidates of each pilot: no more than those that count.
-    fn pilot(&self) -> u32 {
-        PILOT.min(self.candidates)
-    }
-
     /// Begins what [`Self::run`] does at once; nothing is made yet.
     pub fn begin(&self, run: &Run) -> Starting {
         let strategies = self.even();
-        let draw = self.draw(run, &strategies, self.pilot(), PILOT_PASSES[0]);
-        Starting { strategies, pixel_weights: None, rays: 0, candidates: self.candidates, draw }
+        let pilots = if self.two_stage.is_some() { TWO_STAGE_PILOTS } else { PILOTS };
+        let pilots = pilots.map(|count| count.min(self.candidates));
+        let draw = self.draw(run, &strategies, pilots[0], PILOT_PASSES[0]);
+        Starting { strategies, pixel_weights: None, rays: 0, candidates: self.candidates, pilots, round: 0, draw }
     }
 
     /// Strategies before anything is known.
@@ -200,8 +199,7 @@ impl Start {
     /// Makes one batch of candidates; whether more are to be made.
     pub fn step(&self, run: &mut Run, starting: &mut Starting) -> crate::Result<bool> {
         self.batch(run, &mut starting.draw)?;
-        let pilots = starting.pilots();
-        if pilots < PILOT_PASSES.len() && starting.draw.is_done() {
+        if starting.round < starting.pilots.len() && starting.draw.is_done() {
             let Draw { list, candidates: pilot, .. } = &starting.draw;
             starting.rays += rays(pilot);
             starting.strategies = starting.strategies.adapted(
@@ -215,8 +213,9 @@ impl Start {
                 let splats: Vec<_> = pilot.iter().map(|candidate| (candidate.pixel, candidate.weight())).collect();
                 PixelWeights::from_pilot(self.film, gamma, &splats)
             });
-            starting.draw = match PILOT_PASSES.get(pilots + 1) {
-                Some(pass) => self.draw(run, &starting.strategies, self.pilot(), *pass),
+            starting.round += 1;
+            starting.draw = match starting.pilots.get(starting.round) {
+                Some(count) => self.draw(run, &starting.strategies, *count, PILOT_PASSES[starting.round]),
                 None => self.draw(run, &starting.strategies, self.candidates, CANDIDATE_PASS),
             };
         }
