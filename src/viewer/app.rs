@@ -9,12 +9,14 @@ use eframe::egui::{self, Rect, Ui, Vec2};
 use glam::Vec3;
 
 use super::canvas::{Hovered, Placement};
+use super::files::Watches;
 use super::messages::{Command, Event, Job, Opened};
 use super::orbit::Orbit;
-use super::slot::{ErrorMap, Overlay, Slot};
+use super::overlay::{Layer, Overlay};
+use super::slot::Slot;
 use super::tone::Tone;
-use super::watch::Watch;
 use crate::film::Image;
+use crate::kernels;
 use crate::methods::{Method, Settings, default_size};
 use crate::scene::Camera;
 
@@ -46,10 +48,12 @@ pub struct Viewer {
     pub(super) placement: Placement,
     /// First part of the canvas and the film's size, of the last frame.
     pub(super) parts: (Rect, Vec2),
-    pub(super) show_maps: bool,
-    /// Share of the maps in what is seen.
-    pub(super) maps_share: f32,
-    pub(super) show_error: Option<ErrorMap>,
+    /// What lies over the pictures.
+    pub(super) layer: Option<Layer>,
+    /// How opaque it is, by its kind.
+    pub(super) shares: [f32; 4],
+    /// The kernel whose acceptance was looked at last.
+    pub(super) kernel: Option<&'static str>,
     pub(super) reference: Option<Arc<Image>>,
     pub(super) hovered: Option<Hovered>,
     pub(super) note: Option<Note>,
@@ -63,8 +67,7 @@ pub struct Viewer {
     pub(super) mix_error: Option<String>,
     /// When changed settings take effect.
     apply_at: Option<f64>,
-    pub(super) watch: Option<Watch>,
-    pub(super) shaders: Option<Watch>,
+    pub(super) watches: Watches,
     /// Seconds that the interface took for its last frames, and between them.
     pub(super) pace: Pace,
 }
@@ -101,9 +104,9 @@ impl Viewer {
             tone: Tone::default(),
             placement: Placement::FIT,
             parts: (Rect::ZERO, Vec2::splat(1.0)),
-            show_maps: false,
-            maps_share: 0.6,
-            show_error: None,
+            layer: None,
+            shares: [0.6, 1.0, 1.0, 1.0],
+            kernel: None,
             reference: None,
             hovered: None,
             note: None,
@@ -114,8 +117,7 @@ impl Viewer {
             help: false,
             mix_error: None,
             apply_at: None,
-            watch: None,
-            shaders: None,
+            watches: Watches::default(),
             pace: Pace::default(),
         };
         viewer.send(Command::Open(scene.to_path_buf()));
@@ -162,7 +164,8 @@ impl Viewer {
                         slot.set_picture(*picture, error);
                     }
                 }
-                Event::Reference(image) => {
+                Event::Reference { path, image } => {
+                    self.watches.reference(&path);
                     self.slots.iter_mut().for_each(Slot::forget_errors);
                     self.reference = Some(image);
                     let (w, h) = (self.settings.width, self.settings.height);
@@ -191,7 +194,7 @@ impl Viewer {
         let Some(camera) = camera.cloned() else { return };
         let before = self.orbit.as_ref().and_then(Orbit::look).filter(|_| again);
         let look = self.look.take().or(before);
-        self.watch = Some(Watch::new(&opened.path));
+        self.watches.opened(&opened);
         self.note = opened.warnings.first().map(|text| Note { text: text.clone(), error: false });
         let sphere = opened.sphere;
         self.scene = Some(opened);
@@ -323,7 +326,46 @@ impl Viewer {
     pub(super) fn overlay(&self, ui: &Ui) -> Overlay {
         let free = ui.ctx().input(|i| i.modifiers.shift_only() && !i.pointer.any_down());
         let reference = free && self.reference.is_some() && !ui.ctx().egui_wants_keyboard_input();
-        Overlay { maps: if self.show_maps { self.maps_share } else { 0.0 }, error: self.show_error, reference }
+        Overlay { layer: self.layer, share: self.layer.map_or(0.0, |layer| self.shares[layer.kind()]), reference }
+    }
+
+    /// Lays a map over the pictures, or takes it away where it is there.
+    pub(super) fn toggle(&mut self, layer: Layer) {
+        self.layer = if self.layer == Some(layer) { None } else { Some(layer) };
+    }
+
+    /// The kernels at work in any picture, in the order of the list of all.
+    pub(super) fn kernels_at_work(&self) -> Vec<&'static str> {
+        let works = |name: &str| {
+            let mut all = self.slots.iter().flat_map(|slot| &slot.picture.statistics.kernels);
+            all.any(|kernel| kernel.name == name)
+        };
+        kernels::ALL.iter().map(|kernel| kernel.name).filter(|name| works(name)).collect()
+    }
+
+    /// The acceptance of the kernel that was looked at last, or of the one that makes most mutations.
+    pub(super) fn acceptance(&self) -> Option<Layer> {
+        let names = self.kernels_at_work();
+        let all = self.slots.iter().flat_map(|slot| &slot.picture.statistics.kernels);
+        let most = all.max_by_key(|kernel| kernel.mutations).map(|kernel| kernel.name.clone());
+        let of = |wanted: Option<&str>| names.iter().copied().find(|name| Some(*name) == wanted);
+        of(self.kernel).or_else(|| of(most.as_deref())).map(Layer::Acceptance)
+    }
+
+    pub(super) fn toggle_acceptance(&mut self) {
+        match (self.layer, self.acceptance()) {
+            (Some(Layer::Acceptance(_)), _) => self.layer = None,
+            (_, Some(layer)) => self.look_at(layer),
+            _ => self.note = Some(Note { text: "no kernel has made mutations yet".into(), error: false }),
+        }
+    }
+
+    /// Lays a map over the pictures.
+    pub(super) fn look_at(&mut self, layer: Layer) {
+        self.layer = Some(layer);
+        if let Layer::Acceptance(kernel) = layer {
+            self.kernel = Some(kernel);
+        }
     }
 }
 

@@ -1,12 +1,12 @@
 //! The bars at the edges, the panel at the side, and how the picture is shown.
 
 use eframe::egui::{
-    self, Button, CollapsingHeader, Color32, Frame, Panel, RichText, ScrollArea, Slider, SliderClamping, Ui,
+    self, Button, CollapsingHeader, Color32, ComboBox, Frame, Panel, RichText, ScrollArea, Slider, SliderClamping, Ui,
 };
 
 use super::app::Viewer;
 use super::canvas::Placement;
-use super::slot::ErrorMap;
+use super::overlay::{Layer, Values};
 use super::tone::{Curve, Tone};
 use crate::methods::Method;
 
@@ -49,16 +49,25 @@ impl Viewer {
                     self.actual_size(&ui.ctx().clone());
                 }
                 ui.separator();
-                ui.toggle_value(&mut self.show_maps, "Maps").on_hover_text("mutation-direction maps (M)");
-                let mut error_map = |of: ErrorMap, name: &str, tip: &str| {
-                    let shown = self.show_error == Some(of);
-                    if ui.add(Button::selectable(shown, name)).on_hover_text(tip).clicked() {
-                        self.show_error = (!shown).then_some(of);
-                    }
+                let mut toggle = |shown: bool, name: &str, tip: &str| {
+                    ui.add(Button::selectable(shown, name)).on_hover_text(tip).clicked()
                 };
-                error_map(ErrorMap::Own, "Own error", "relative error as the image tells it (W)");
-                if self.reference.is_some() {
-                    error_map(ErrorMap::Reference, "Error", "relative error against the reference (D)");
+                let now = self.layer;
+                let shows = |layer| now == Some(layer);
+                if toggle(shows(Layer::Directions), "Directions", "where accepted mutations move (M)") {
+                    self.toggle(Layer::Directions);
+                }
+                let accepted = matches!(now, Some(Layer::Acceptance(_)));
+                if toggle(accepted, "Acceptance", "share of a kernel's proposals that is accepted (A)") {
+                    self.toggle_acceptance();
+                }
+                if toggle(shows(Layer::OwnError), "Own error", "relative error as the image tells it (W)") {
+                    self.toggle(Layer::OwnError);
+                }
+                if self.reference.is_some()
+                    && toggle(shows(Layer::ReferenceError), "Error", "relative error to the reference (D)")
+                {
+                    self.toggle(Layer::ReferenceError);
                 }
                 ui.separator();
                 ui.toggle_value(&mut self.panels, "Panels").on_hover_text("Ctrl+B");
@@ -102,6 +111,10 @@ impl Viewer {
         let index = (py * image.width + px) as usize;
         let Some([r, g, b]) = image.pixels.get(index) else { return place };
         let mut text = format!("{place}  {r:.4} {g:.4} {b:.4}");
+        let values = self.layer.and_then(|layer| Values::of(layer, picture, self.reference.as_deref()));
+        if let Some(share) = values.and_then(|values| values.share(index)) {
+            text += &format!("  {:.1} %", 100.0 * share);
+        }
         if let Some([r, g, b]) = self.reference.as_ref().filter(|_| self.comparable()).and_then(|i| i.pixels.get(index))
         {
             text += &format!("  reference {r:.4} {g:.4} {b:.4}");
@@ -146,12 +159,34 @@ impl Viewer {
                 self.tone = Tone::default();
             }
         });
+        self.overlay_choice(ui);
+    }
+
+    /// What lies over the pictures, and how opaque.
+    fn overlay_choice(&mut self, ui: &mut Ui) {
+        let mut layers = vec![None, Some(Layer::Directions)];
+        layers.extend(self.kernels_at_work().into_iter().map(|kernel| Some(Layer::Acceptance(kernel))));
+        layers.push(Some(Layer::OwnError));
+        layers.extend(self.reference.is_some().then_some(Some(Layer::ReferenceError)));
+        let name = |layer: Option<Layer>| layer.map_or("nothing".into(), Layer::name);
         ui.horizontal(|ui| {
-            ui.checkbox(&mut self.show_maps, "direction maps");
-            ui.add_enabled(self.show_maps, Slider::new(&mut self.maps_share, 0.05..=1.0).show_value(false));
+            let label = ui.label("over it").id;
+            let choice = ComboBox::from_id_salt("overlay").selected_text(name(self.layer)).width(190.0);
+            let choice = choice.show_ui(ui, |ui| {
+                for layer in layers {
+                    if ui.selectable_label(self.layer == layer, name(layer)).clicked() {
+                        match layer {
+                            Some(layer) => self.look_at(layer),
+                            None => self.layer = None,
+                        }
+                    }
+                }
+            });
+            choice.response.labelled_by(label);
         });
-        if self.show_maps && self.slots.iter().all(|slot| slot.settings.method == Method::Pt) {
-            ui.weak("Path tracing makes no mutations: choose emlt or mlt.");
+        if let Some(layer) = self.layer {
+            let share = Slider::new(&mut self.shares[layer.kind()], 0.0..=1.0).show_value(false);
+            ui.add(share.text("its share in what is seen"));
         }
     }
 }

@@ -4,7 +4,7 @@ use eframe::egui::{self, Key, Modifiers, ViewportCommand};
 
 use super::app::Viewer;
 use super::canvas::Placement;
-use super::slot::ErrorMap;
+use super::overlay::Layer;
 use super::tone::{Curve, Tone};
 use crate::methods::Method;
 
@@ -22,10 +22,16 @@ pub const HELP: &[(&str, &[(&str, &str)])] = &[
             ("Ctrl+0", "actual size: a pixel is a pixel"),
             ("+ / \u{2212}, wheel", "zoom"),
             ("drag, H J K L", "move the image; a double click fits it"),
-            ("M", "mutation-direction maps"),
-            ("D", "relative error against the reference"),
-            ("W", "relative error as the image tells it of itself"),
             ("Shift (held)", "the reference"),
+        ],
+    ),
+    (
+        "Over the image",
+        &[
+            ("M", "mutation-direction maps"),
+            ("A / Shift+A", "acceptance of the next and previous kernel"),
+            ("W", "relative error as the image tells it of itself"),
+            ("D", "relative error to the reference"),
         ],
     ),
     (
@@ -98,12 +104,14 @@ impl Viewer {
                 self.placement.zoom_at(part, size, part.center(), factor);
             }
         }
-        if pressed(plain, Key::M) {
-            self.show_maps = !self.show_maps;
-        }
-        for (key, map) in [(Key::D, ErrorMap::Reference), (Key::W, ErrorMap::Own)] {
+        for (key, layer) in [(Key::M, Layer::Directions), (Key::D, Layer::ReferenceError), (Key::W, Layer::OwnError)] {
             if pressed(plain, key) {
-                self.show_error = if self.show_error == Some(map) { None } else { Some(map) };
+                self.toggle(layer);
+            }
+        }
+        for (modifiers, forwards) in [(shift, false), (plain, true)] {
+            if pressed(modifiers, Key::A) {
+                self.next_acceptance(forwards);
             }
         }
         if pressed(plain, Key::Home) {
@@ -147,6 +155,19 @@ impl Viewer {
         }
         if pressed(plain, Key::N) {
             self.normalise();
+        }
+    }
+
+    /// From kernel to kernel, and past the last to none.
+    fn next_acceptance(&mut self, forwards: bool) {
+        let mut layers: Vec<Option<Layer>> = vec![None];
+        layers.extend(self.kernels_at_work().into_iter().map(|kernel| Some(Layer::Acceptance(kernel))));
+        let Some(at) = layers.iter().position(|layer| *layer == self.layer) else {
+            return self.toggle_acceptance();
+        };
+        match layers[(at + if forwards { 1 } else { layers.len() - 1 }) % layers.len()] {
+            Some(layer) => self.look_at(layer),
+            None => self.layer = None,
         }
     }
 

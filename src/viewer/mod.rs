@@ -12,8 +12,10 @@ mod display;
 mod files;
 mod keys;
 mod launch;
+mod legend;
 mod messages;
 mod orbit;
+mod overlay;
 mod preview;
 #[cfg(test)]
 mod renderer_tests;

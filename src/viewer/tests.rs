@@ -10,7 +10,7 @@ use glam::{Affine3A, Vec3};
 
 use super::app::Viewer;
 use super::messages::{Command, ErrorPoint, Event, Job, Opened, Picture};
-use super::slot::ErrorMap;
+use super::overlay::Layer;
 use super::tone::{Curve, Tone};
 use crate::film::Image;
 use crate::methods::{Method, Settings, Stage};
@@ -107,6 +107,7 @@ fn opened() -> Opened {
     };
     Opened {
         path: "box.glb".into(),
+        files: vec![],
         name: "box".into(),
         sky: None,
         triangles: 12,
@@ -272,16 +273,16 @@ fn the_command_line_is_copied_and_a_failure_is_shown() {
 fn a_reference_gives_a_curve_unless_its_size_differs() {
     let mut window = Window::new();
     let reference = |side| Arc::new(Image { width: side, height: 48, pixels: vec![[0.5; 3]; side as usize * 48] });
-    window.events.send(Event::Reference(reference(32))).unwrap();
+    window.events.send(Event::Reference { path: "r.exr".into(), image: reference(32) }).unwrap();
     window.frame(vec![]);
     assert!(window.viewer.note.as_ref().unwrap().text.contains("32x48"));
-    window.events.send(Event::Reference(reference(64))).unwrap();
+    window.events.send(Event::Reference { path: "r.exr".into(), image: reference(64) }).unwrap();
     let error = |seconds| ErrorPoint { seconds, rel_mse: 1.0 / seconds, rel_mse_blocks: 0.1 };
     for seconds in [1.0, 2.0, 4.0] {
         let picture = Box::new(window.viewer.slots[0].picture.clone());
         window.events.send(Event::Picture { slot: 0, picture, error: Some(error(seconds)) }).unwrap();
     }
-    window.viewer.show_error = Some(ErrorMap::Reference);
+    window.viewer.layer = Some(Layer::ReferenceError);
     window.frame(vec![]);
     window.frame(vec![]);
     assert_eq!(window.viewer.slots[0].errors.len(), 3);
