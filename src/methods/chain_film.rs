@@ -28,9 +28,21 @@ pub(super) fn film_bytes(settings: &Settings, groups: u32, kernels: usize) -> u6
 }
 
 /// How many layers the device can bind; at least one, and whoever allocates it says where even that is too large.
-pub(super) fn layers_that_fit(context: &Context, settings: &Settings, kernels: usize) -> u32 {
+pub(super) fn layers_that_fit(context: &Context, settings: &Settings) -> u32 {
     let limit = context.device.limits().max_storage_buffer_binding_size;
-    (1..=MOST_GROUPS).rev().find(|groups| film_bytes(settings, *groups, kernels) <= limit).unwrap_or(1)
+    (1..=MOST_GROUPS).rev().find(|groups| film_bytes(settings, *groups, 0) <= limit).unwrap_or(1)
+}
+
+/// Whether the counts of so many kernels fit beside the layers: the groups, which tell the error, come first.
+pub(super) fn counts_fit(context: &Context, settings: &Settings, groups: u32, kernels: usize) -> bool {
+    let limit = context.device.limits().max_storage_buffer_binding_size;
+    settings.maps && film_bytes(settings, groups, kernels) <= limit
+}
+
+/// What the user should know where they do not.
+pub(super) fn no_counts(settings: &Settings, fit: bool) -> Option<String> {
+    let text = "the acceptance by pixel is left out, for which the device cannot bind enough memory: it needs a smaller --size";
+    (settings.maps && !fit).then(|| text.into())
 }
 
 /// What the user should know where there are fewer groups than asked for.

@@ -135,7 +135,7 @@ impl Viewer {
     /// One frame of the interface.
     pub fn frame(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
-        self.hear();
+        self.hear(&ctx);
         self.keys(&ctx);
         self.take_dropped(&ctx);
         self.look_at_the_disk(&ctx);
@@ -150,10 +150,13 @@ impl Viewer {
     }
 
     /// What the renderer has sent.
-    fn hear(&mut self) {
+    fn hear(&mut self, ctx: &egui::Context) {
         while let Ok(event) = self.events.try_recv() {
             match event {
-                Event::Opened(opened) => self.opened(*opened),
+                Event::Opened(opened) => {
+                    ctx.send_viewport_cmd(egui::ViewportCommand::Title(title(&opened.path)));
+                    self.opened(*opened);
+                }
                 Event::Progress { slot, stage, share } => {
                     if let Some(slot) = self.slots.get_mut(slot) {
                         slot.progress = Some((stage, share));
@@ -380,6 +383,11 @@ impl eframe::App for Viewer {
         self.pace.work_s += 0.1 * (taken - self.pace.work_s);
         self.pace.longest_s = taken.max(0.98 * self.pace.longest_s);
     }
+}
+
+/// The window's title for a scene.
+pub fn title(scene: &Path) -> String {
+    format!("{} - emlt", scene.file_name().unwrap_or_default().to_string_lossy())
 }
 
 /// `name.exr`, or the first of `name-2.exr`, `name-3.exr` and so on that is not taken.

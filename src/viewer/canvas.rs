@@ -3,7 +3,7 @@
 use eframe::egui::{self, Align2, Color32, PointerButton, Pos2, Rect, Sense, Ui, Vec2};
 
 use super::app::Viewer;
-use super::legend::{lacking, legend, text};
+use super::legend::{lacking, legend, pixel_values, text};
 use super::overlay::{Overlay, Values};
 use super::screen::Screen;
 use crate::methods::Stage;
@@ -50,7 +50,6 @@ impl Placement {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hovered {
     pub pixel: [u32; 2],
-    pub slot: usize,
 }
 
 impl Viewer {
@@ -86,13 +85,18 @@ impl Viewer {
                     painter.add(Screen { slot, colors, version, smooth, part }.shape(seen));
                 }
             }
+            if let Some(image) = self.slots[slot].picture.image.as_deref().filter(|_| !self.slots[slot].picture.preview)
+            {
+                let shown = if overlay.reference && self.comparable() { reference.unwrap_or(image) } else { image };
+                pixel_values(&painter, shown, rect, rect.intersect(painter.clip_rect()));
+            }
             self.captions(&painter, part, slot, overlay);
         }
         self.hovered = response.hover_pos().and_then(|point| {
             let slot = part_of(point);
             let at = (point - self.placement.rect(part(slot), size).min) / self.placement.scale(part(slot), size);
             let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < size.x && at.y < size.y;
-            inside.then_some(Hovered { pixel: [at.x as u32, at.y as u32], slot })
+            inside.then_some(Hovered { pixel: [at.x as u32, at.y as u32] })
         });
         if ui.ctx().input(|i| !i.raw.hovered_files.is_empty()) {
             painter.rect_filled(response.rect, 0.0, Color32::from_black_alpha(160));

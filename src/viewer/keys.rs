@@ -38,8 +38,10 @@ pub const HELP: &[(&str, &[(&str, &str)])] = &[
         "Camera",
         &[
             ("right drag", "orbit"),
-            ("middle drag, Shift+right drag", "sideways, up and down"),
-            ("Ctrl+wheel, Ctrl+right drag", "nearer and farther"),
+            ("middle drag", "sideways, up and down"),
+            ("Shift+right drag", "the same"),
+            ("Ctrl+wheel", "nearer and farther"),
+            ("Ctrl+right drag", "the same"),
             ("Home", "back to where the file has it"),
         ],
     ),
@@ -187,17 +189,23 @@ impl Viewer {
     pub(super) fn help_window(&mut self, ctx: &egui::Context) {
         let window = egui::Window::new("Keys and mouse").open(&mut self.help).collapsible(false).resizable(false);
         window.show(ctx, |ui| {
-            for (subject, rows) in HELP {
+            let table = |ui: &mut egui::Ui, (subject, rows): &(&str, &[(&str, &str)])| {
                 ui.strong(*subject);
-                egui::Grid::new(*subject).num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
+                egui::Grid::new(*subject).num_columns(2).min_col_width(150.0).spacing([12.0, 4.0]).show(ui, |ui| {
                     for (keys, what) in *rows {
                         ui.monospace(*keys);
                         ui.label(*what);
                         ui.end_row();
                     }
                 });
-                ui.add_space(6.0);
-            }
+                ui.add_space(8.0);
+            };
+            ui.horizontal_top(|ui| {
+                for column in HELP.chunks(HELP.len().div_ceil(2)) {
+                    ui.vertical(|ui| column.iter().for_each(|part| table(ui, part)));
+                    ui.add_space(16.0);
+                }
+            });
         });
     }
 }

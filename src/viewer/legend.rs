@@ -4,6 +4,7 @@ use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Stroke, StrokeKind
 
 use super::overlay::{Layer, UNKNOWN, heat};
 use super::slot::Slot;
+use crate::film::Image;
 use crate::film::png::direction_color;
 use crate::methods::Method;
 
@@ -40,7 +41,9 @@ pub fn legend(painter: &egui::Painter, corner: Pos2, layer: Layer) {
         Layer::Acceptance(kernel) => {
             (format!("accepted of {kernel}"), [percent(&SHARES), vec![unknown("none proposed")]].concat())
         }
-        Layer::OwnError => ("relative error, own estimate".into(), [capped(percent(&SHARES)), vec![unknown("not known")]].concat()),
+        Layer::OwnError => {
+            ("relative error, own estimate".into(), [capped(percent(&SHARES)), vec![unknown("not known")]].concat())
+        }
         Layer::ReferenceError => ("relative error to the reference".into(), capped(percent(&SHARES))),
     };
     table(painter, corner, &title, &rows);
@@ -54,12 +57,46 @@ fn capped(mut rows: Vec<(Color32, String)>) -> Vec<(Color32, String)> {
     rows
 }
 
+/// Points per pixel from which on its values are written into it.
+const LEGIBLE: f32 = 64.0;
+
+/// The values of every pixel in its place, where pixels are large enough: `rect` is the image's, `seen` the part of it
+/// that is.
+pub fn pixel_values(painter: &egui::Painter, image: &Image, rect: Rect, seen: Rect) {
+    let side = rect.width() / image.width as f32;
+    if side < LEGIBLE || !seen.is_positive() {
+        return;
+    }
+    let pixel = |at: f32, from: f32, count: u32| (((at - from) / side) as u32).min(count - 1);
+    let columns = pixel(seen.left(), rect.left(), image.width)..=pixel(seen.right(), rect.left(), image.width);
+    for y in pixel(seen.top(), rect.top(), image.height)..=pixel(seen.bottom(), rect.top(), image.height) {
+        for x in columns.clone() {
+            let middle = rect.min + side * Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+            let values = image.pixels[(y * image.width + x) as usize];
+            painter.rect_filled(
+                Rect::from_center_size(middle, Vec2::new(56.0, 48.0)),
+                4.0,
+                Color32::from_black_alpha(150),
+            );
+            let colors = [[255, 150, 150], [150, 235, 150], [165, 185, 255]];
+            for ((value, [r, g, b]), line) in values.into_iter().zip(colors).zip([-14.0, 0.0, 14.0]) {
+                let words = if value.abs() < 1e4 { format!("{value:.4}") } else { format!("{value:.1e}") };
+                let at = middle + Vec2::new(0.0, line);
+                painter.text(at, Align2::CENTER_CENTER, words, FontId::monospace(11.0), Color32::from_rgb(r, g, b));
+            }
+        }
+    }
+}
+
 /// Why a picture has nothing to show of a layer.
 pub fn lacking(layer: Layer, slot: &Slot, comparable: bool) -> String {
     let method = slot.settings.method;
     match layer {
         Layer::Directions | Layer::Acceptance(_) if method == Method::Pt => "pt makes no mutations".into(),
         Layer::Acceptance(kernel) if slot.picture.acceptance.is_some() => format!("{} has no {kernel}", method.name()),
+        Layer::Acceptance(_) if slot.picture.maps.is_some() && slot.picture.own.is_some() => {
+            "acceptance needs a smaller image on this device".into()
+        }
         Layer::ReferenceError if !comparable => "no reference of this size".into(),
         _ => format!("{}: not known yet", layer.name()),
     }
@@ -69,9 +106,8 @@ fn table(painter: &egui::Painter, corner: Pos2, title: &str, rows: &[(Color32, S
     const ROW: f32 = 18.0;
     const MARGIN: f32 = 8.0;
     const PATCH: f32 = 22.0;
-    let lay = |words: &str, gray| {
-        painter.layout_no_wrap(words.into(), FontId::proportional(13.0), Color32::from_gray(gray))
-    };
+    let lay =
+        |words: &str, gray| painter.layout_no_wrap(words.into(), FontId::proportional(13.0), Color32::from_gray(gray));
     let title = lay(title, 235);
     let rows: Vec<_> = rows.iter().map(|(color, words)| (*color, lay(words, 215))).collect();
     let widest = rows.iter().map(|(_, words)| PATCH + words.size().x).fold(title.size().x, f32::max);

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::Sender;
+use std::sync::mpsc::{SendError, Sender};
 
 use glam::Vec3;
 
@@ -152,9 +152,11 @@ pub struct Outbox {
 }
 
 impl Outbox {
-    /// A window that is gone hears nothing, which is no error.
+    /// A window that is gone hears nothing; what went wrong is then said where it was started.
     pub fn send(&self, event: Event) {
-        let _ = self.events.send(event);
+        if let Err(SendError(Event::Failed(sentence))) = self.events.send(event) {
+            eprintln!("error: {sentence}");
+        }
         (self.wake)();
     }
 }

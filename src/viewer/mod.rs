@@ -28,6 +28,10 @@ mod statistics;
 mod tests;
 mod tone;
 mod watch;
+#[cfg(test)]
+mod window;
+#[cfg(test)]
+mod window_tests;
 mod worker;
 
 pub use launch::{Launch, check_display, run};

@@ -77,7 +77,9 @@ impl Values<'_> {
                 let of_kernel = picture.acceptance.iter().flat_map(|all| all.iter()).find(|(name, _)| name == kernel);
                 of_kernel.map(|(_, values)| Values::Acceptance(values))
             }
-            Layer::OwnError => picture.own.as_deref().map(|own| &own.pixels).filter(fits).map(|e| Values::Own(e, image)),
+            Layer::OwnError => {
+                picture.own.as_deref().map(|own| &own.pixels).filter(fits).map(|e| Values::Own(e, image))
+            }
             Layer::ReferenceError => reference.filter(fits).map(|reference| Values::Reference(image, reference)),
         }
     }
@@ -197,9 +199,7 @@ mod tests {
     #[test]
     fn errors_are_hot_and_agreement_is_black() {
         let a = [[1.0; 3], [2.0; 3]];
-        let colors = |r: &[[f32; 3]]| {
-            shown(&a, Picture::default(), over(Layer::ReferenceError, 1.0), Some(&image(r)))
-        };
+        let colors = |r: &[[f32; 3]]| shown(&a, Picture::default(), over(Layer::ReferenceError, 1.0), Some(&image(r)));
         assert_eq!(colors(&[[1.0; 3]; 2]), [heat(0.0), heat(3.0 / 3.03)]);
         assert_eq!(colors(&[[1.0; 3]])[0], Color32::WHITE, "a reference of another size cannot be compared");
     }

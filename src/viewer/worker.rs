@@ -97,6 +97,14 @@ impl State {
             saves: Vec::new(),
         }
     }
+
+    /// Waits for what is being saved.
+    pub fn finish(self) {
+        for save in self.saves {
+            // It has said itself what went wrong.
+            let _ = save.join();
+        }
+    }
 }
 
 /// The renderer between two steps.
@@ -143,10 +151,7 @@ impl<'a> Worker<'a> {
                 }
             }
         }
-        for save in self.state.saves {
-            // It has said itself what went wrong.
-            let _ = save.join();
-        }
+        self.state.finish();
         None
     }
 
