@@ -12,11 +12,10 @@ use super::canvas::{Hovered, Placement};
 use super::files::Watches;
 use super::messages::{Command, Event, Job, Opened};
 use super::orbit::Orbit;
-use super::overlay::{Layer, Overlay};
+use super::overlay::Layer;
 use super::slot::Slot;
 use super::tone::Tone;
 use crate::film::Image;
-use crate::kernels;
 use crate::methods::{Method, Settings, default_size};
 use crate::scene::Camera;
 
@@ -323,52 +322,6 @@ impl Viewer {
     pub(super) fn comparable(&self) -> bool {
         let size = (self.settings.width, self.settings.height);
         self.reference.as_ref().is_some_and(|r| (r.width, r.height) == size)
-    }
-
-    /// What lies over the pictures now; the reference is seen while Shift is held, as in tev.
-    pub(super) fn overlay(&self, ui: &Ui) -> Overlay {
-        let free = ui.ctx().input(|i| i.modifiers.shift_only() && !i.pointer.any_down());
-        let reference = free && self.reference.is_some() && !ui.ctx().egui_wants_keyboard_input();
-        Overlay { layer: self.layer, share: self.layer.map_or(0.0, |layer| self.shares[layer.kind()]), reference }
-    }
-
-    /// Lays a map over the pictures, or takes it away where it is there.
-    pub(super) fn toggle(&mut self, layer: Layer) {
-        self.layer = if self.layer == Some(layer) { None } else { Some(layer) };
-    }
-
-    /// The kernels at work in any picture, in the order of the list of all.
-    pub(super) fn kernels_at_work(&self) -> Vec<&'static str> {
-        let works = |name: &str| {
-            let mut all = self.slots.iter().flat_map(|slot| &slot.picture.statistics.kernels);
-            all.any(|kernel| kernel.name == name)
-        };
-        kernels::ALL.iter().map(|kernel| kernel.name).filter(|name| works(name)).collect()
-    }
-
-    /// The acceptance of the kernel that was looked at last, or of the one that makes most mutations.
-    pub(super) fn acceptance(&self) -> Option<Layer> {
-        let names = self.kernels_at_work();
-        let all = self.slots.iter().flat_map(|slot| &slot.picture.statistics.kernels);
-        let most = all.max_by_key(|kernel| kernel.mutations).map(|kernel| kernel.name.clone());
-        let of = |wanted: Option<&str>| names.iter().copied().find(|name| Some(*name) == wanted);
-        of(self.kernel).or_else(|| of(most.as_deref())).map(Layer::Acceptance)
-    }
-
-    pub(super) fn toggle_acceptance(&mut self) {
-        match (self.layer, self.acceptance()) {
-            (Some(Layer::Acceptance(_)), _) => self.layer = None,
-            (_, Some(layer)) => self.look_at(layer),
-            _ => self.note = Some(Note { text: "no kernel has made mutations yet".into(), error: false }),
-        }
-    }
-
-    /// Lays a map over the pictures.
-    pub(super) fn look_at(&mut self, layer: Layer) {
-        self.layer = Some(layer);
-        if let Layer::Acceptance(kernel) = layer {
-            self.kernel = Some(kernel);
-        }
     }
 }
 

@@ -131,7 +131,7 @@ impl Viewer {
 
     /// Everything else, under headers that fold.
     pub(super) fn side_panel(&mut self, ui: &mut Ui) {
-        let panel = Panel::right("side").frame(bare(ui)).default_size(330.0).size_range(260.0..=560.0);
+        let panel = Panel::right("side").frame(bare(ui)).default_size(345.0).size_range(260.0..=560.0);
         panel.show(ui, |ui| {
             ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
                 section(ui, "Display", |ui| self.display(ui));

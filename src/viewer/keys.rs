@@ -160,19 +160,6 @@ impl Viewer {
         }
     }
 
-    /// From kernel to kernel, and past the last to none.
-    fn next_acceptance(&mut self, forwards: bool) {
-        let mut layers: Vec<Option<Layer>> = vec![None];
-        layers.extend(self.kernels_at_work().into_iter().map(|kernel| Some(Layer::Acceptance(kernel))));
-        let Some(at) = layers.iter().position(|layer| *layer == self.layer) else {
-            return self.toggle_acceptance();
-        };
-        match layers[(at + if forwards { 1 } else { layers.len() - 1 }) % layers.len()] {
-            Some(layer) => self.look_at(layer),
-            None => self.layer = None,
-        }
-    }
-
     /// The tone that shows the first picture's whole range.
     pub(super) fn normalise(&mut self) {
         if let Some(image) = self.slots.first().and_then(|slot| slot.picture.image.as_ref()) {

@@ -30,10 +30,7 @@ impl Viewer {
                 row("memory", format!("{:.0} MiB at its peak", bytes as f64 / f64::from(1 << 20)));
             }
             let pace = self.pace;
-            row(
-                "interface",
-                format!("{:.1} ms a frame, {:.0} ms lately at most", 1e3 * pace.work_s, 1e3 * pace.longest_s),
-            );
+            row("interface", format!("{:.1} ms a frame, at most {:.0} ms", 1e3 * pace.work_s, 1e3 * pace.longest_s));
         });
     }
 
@@ -50,7 +47,7 @@ impl Viewer {
             let on: Vec<&str> = scene.features.flags().iter().filter(|(_, on)| *on).map(|(name, _)| *name).collect();
             row("features", if on.is_empty() { "diffuse only".into() } else { on.join(", ") });
             let useful = kernels::ALL.iter().filter(|k| (k.useless)(scene.features).is_none());
-            row("kernels", useful.map(|k| k.name).collect::<Vec<_>>().join(", "));
+            row("can use", useful.map(|k| k.name).collect::<Vec<_>>().join(", "));
         });
         for warning in &scene.warnings {
             ui.colored_label(ui.visuals().warn_fg_color, warning);
@@ -90,7 +87,7 @@ fn figures(ui: &mut Ui, number: usize, slot: &Slot) {
             row("b", format!("{b:.5} \u{b1} {:.2} %", 100.0 * error / b));
         }
         if let Some(own) = &slot.picture.own {
-            row("own error", format!("{:.1} % a pixel, by its own estimate", 100.0 * own.relative));
+            row("own error", format!("{:.1} % a pixel", 100.0 * own.relative));
         }
         if let Some(last) = slot.errors.last() {
             row("relMSE", format!("{:.4} a pixel, {:.4} of 4x4", last.rel_mse, last.rel_mse_blocks));
