@@ -133,6 +133,8 @@ impl Viewer {
     pub(super) fn side_panel(&mut self, ui: &mut Ui) {
         let panel = Panel::right("side").frame(bare(ui)).default_size(345.0).size_range(260.0..=560.0);
         panel.show(ui, |ui| {
+            // Room for the bar beside what is scrolled.
+            ui.spacing_mut().scroll.floating_allocated_width = 10.0;
             ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
                 section(ui, "Display", |ui| self.display(ui));
                 section(ui, "Rendering", |ui| self.rendering(ui));

@@ -1,6 +1,6 @@
 //! The figures: how fast, how good, by what.
 
-use eframe::egui::{Align, Grid, Layout, Response, RichText, Ui, WidgetText};
+use eframe::egui::{Align, Grid, Label, Response, RichText, Ui, WidgetText};
 
 use super::app::Viewer;
 use super::display::grid;
@@ -47,7 +47,7 @@ impl Viewer {
             let on: Vec<&str> = scene.features.flags().iter().filter(|(_, on)| *on).map(|(name, _)| *name).collect();
             row("features", if on.is_empty() { "diffuse only".into() } else { on.join(", ") });
             let useful = kernels::ALL.iter().filter(|k| (k.useless)(scene.features).is_none());
-            row("can use", useful.map(|k| k.name).collect::<Vec<_>>().join(", "));
+            row("usable", useful.map(|k| k.name).collect::<Vec<_>>().join(", "));
         });
         for warning in &scene.warnings {
             ui.colored_label(ui.visuals().warn_fg_color, warning);
@@ -59,14 +59,15 @@ impl Viewer {
 fn row(ui: &mut Ui) -> impl FnMut(&str, String) + '_ {
     |name, value| {
         ui.label(name);
-        ui.add(eframe::egui::Label::new(value).wrap());
+        ui.add(Label::new(value).wrap());
         ui.end_row();
     }
 }
 
-/// A cell of a grid, aligned to the right.
+/// A cell of a grid, aligned to the right. It has a width of its own: one that filled what there is would widen the panel
+/// from frame to frame.
 fn figure(ui: &mut Ui, text: impl Into<WidgetText>) -> Response {
-    ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.label(text)).inner
+    ui.add_sized([58.0, 18.0], Label::new(text).halign(Align::RIGHT))
 }
 
 fn figures(ui: &mut Ui, number: usize, slot: &Slot) {

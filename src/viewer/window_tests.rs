@@ -224,6 +224,19 @@ fn compare(window: &mut Window, name: &str) {
 }
 
 #[test]
+fn the_panel_keeps_its_width() {
+    let mut window = Window::new();
+    window.hear(Event::Reference { path: "reference.exr".into(), image: Arc::new(image(|x, _| [x; 3])) });
+    for seconds in [1.0, 2.0] {
+        show(&mut window, 0, seconds);
+    }
+    window.frame();
+    let before = window.viewer().parts.0.width();
+    (0..40).for_each(|_| window.frame());
+    assert_eq!(window.viewer().parts.0.width(), before);
+}
+
+#[test]
 fn the_window_is_painted_as_it_was() {
     let mut window = Window::painting(Vec2::new(720.0, 400.0));
     show(&mut window, 0, 1.0);
