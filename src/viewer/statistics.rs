@@ -1,6 +1,6 @@
 //! The figures: how fast, how good, by what.
 
-use eframe::egui::{Align, Grid, Label, Response, RichText, Ui, WidgetText};
+use eframe::egui::{Align, Grid, Label, Layout, Response, RichText, Ui, Vec2, WidgetText};
 
 use super::app::Viewer;
 use super::display::grid;
@@ -67,7 +67,12 @@ fn row(ui: &mut Ui) -> impl FnMut(&str, String) + '_ {
 /// A cell of a grid, aligned to the right. It has a width of its own: one that filled what there is would widen the panel
 /// from frame to frame.
 fn figure(ui: &mut Ui, text: impl Into<WidgetText>) -> Response {
-    ui.add_sized([58.0, 18.0], Label::new(text).halign(Align::RIGHT))
+    const SIZE: Vec2 = Vec2::new(58.0, 18.0);
+    let cell = ui.allocate_ui_with_layout(SIZE, Layout::right_to_left(Align::Center), |ui| {
+        ui.set_min_width(SIZE.x);
+        ui.label(text)
+    });
+    cell.inner
 }
 
 fn figures(ui: &mut Ui, number: usize, slot: &Slot) {
