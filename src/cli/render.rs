@@ -45,7 +45,8 @@ pub struct Arguments {
     #[arg(long, value_name = "REF.exr", requires = "log")]
     reference: Option<PathBuf>,
 
-    /// Also write the mutation-direction maps: OUT.maps.png, and Maps.* in the EXR (mlt, emlt)
+    /// Also write the mutation-direction maps: OUT.maps.png, and Maps.* in the EXR; there too, by kernel, the share of
+    /// proposals accepted from every pixel, Acceptance.* (mlt, emlt)
     #[arg(long)]
     maps: bool,
 

@@ -214,6 +214,7 @@ mod tests {
         };
         assert_eq!(value("ROW_VERTICES"), ROW_VERTICES as f64);
         assert_eq!(value("ROW_KEY"), ROW_KEY as f64);
+        assert_eq!(value("COUNTER_WORDS"), COUNTER_WORDS as f64);
         assert_eq!(value("COUNTER_ACCEPTED"), COUNTER_ACCEPTED as f64);
         assert_eq!(value("COUNTER_NON_FINITE"), COUNTER_NON_FINITE as f64);
         assert_eq!(value("COUNTER_RAYS"), COUNTER_RAYS as f64);

@@ -8,6 +8,9 @@ use crate::gpu::layout::FILM_SCALE;
 use crate::report::statistics::Statistics;
 use crate::scene::LUMINANCE;
 
+/// Begins the names of the layers of acceptance; a kernel's name follows.
+pub const ACCEPTANCE: &str = "Acceptance.";
+
 pub(super) fn pixels(settings: &Settings) -> u64 {
     u64::from(settings.width) * u64::from(settings.height)
 }
@@ -17,15 +20,29 @@ pub(super) fn layer_bytes(settings: &Settings) -> u64 {
     24 * pixels(settings)
 }
 
-/// Bytes of the film on the device: a layer a group, then the two maps where they are asked for.
-pub(super) fn film_bytes(settings: &Settings, groups: u32) -> u64 {
-    u64::from(groups) * layer_bytes(settings) + if settings.maps { 16 * pixels(settings) } else { 0 }
+/// Bytes of the film on the device: a layer a group, then, where the maps are asked for, the two directions and two words
+/// for each of so many kernels.
+pub(super) fn film_bytes(settings: &Settings, groups: u32, kernels: usize) -> u64 {
+    let maps = if settings.maps { 16 + 8 * kernels as u64 } else { 0 };
+    u64::from(groups) * layer_bytes(settings) + maps * pixels(settings)
 }
 
 /// How many layers the device can bind; at least one, and whoever allocates it says where even that is too large.
 pub(super) fn layers_that_fit(context: &Context, settings: &Settings) -> u32 {
     let limit = context.device.limits().max_storage_buffer_binding_size;
-    (1..=MOST_GROUPS).rev().find(|groups| film_bytes(settings, *groups) <= limit).unwrap_or(1)
+    (1..=MOST_GROUPS).rev().find(|groups| film_bytes(settings, *groups, 0) <= limit).unwrap_or(1)
+}
+
+/// Whether the counts of so many kernels fit beside the layers: the groups, which tell the error, come first.
+pub(super) fn counts_fit(context: &Context, settings: &Settings, groups: u32, kernels: usize) -> bool {
+    let limit = context.device.limits().max_storage_buffer_binding_size;
+    settings.maps && film_bytes(settings, groups, kernels) <= limit
+}
+
+/// What the user should know where they do not.
+pub(super) fn no_counts(settings: &Settings, fit: bool) -> Option<String> {
+    let text = "the acceptance by pixel is left out, for which the device cannot bind enough memory: it needs a smaller --size";
+    (settings.maps && !fit).then(|| text.into())
 }
 
 /// What the user should know where there are fewer groups than asked for.
@@ -50,6 +67,14 @@ pub(super) fn maps(settings: &Settings, value: impl Fn(usize, usize) -> f32) -> 
     };
     let names = [("Maps.Horizontal", 0), ("Maps.Vertical", 1)];
     names.into_iter().filter(|_| settings.maps).map(layer).collect()
+}
+
+/// Accepted over proposed by pixel, from both as the shaders count them; NaN where nothing was proposed.
+pub(super) fn acceptance(kernel: &str, bytes: &[u8]) -> Channel {
+    let (words, _) = bytes.as_chunks::<4>();
+    let counts: Vec<u32> = words.iter().map(|word| u32::from_le_bytes(*word)).collect();
+    let share = |count: &[u32]| if count[0] == 0 { f32::NAN } else { count[1] as f32 / count[0] as f32 };
+    Channel { name: format!("{ACCEPTANCE}{kernel}"), values: counts.chunks_exact(2).map(share).collect() }
 }
 
 /// What chains without any light to carry make.

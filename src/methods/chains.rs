@@ -6,7 +6,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::chain_film::{
-    black, channels_of, few_groups, film_bytes, layer_bytes, layers_that_fit, luminance, maps, pixels,
+    acceptance, black, channels_of, counts_fit, few_groups, film_bytes, layer_bytes, layers_that_fit, luminance, maps,
+    no_counts, pixels,
 };
 use super::session::{Part, Stage};
 use super::{Budget, Direct, Method, Outcome, Settings};
@@ -53,6 +54,8 @@ pub(super) struct Chains<'a> {
     settings: Settings,
     build: Build,
     mix: Mix,
+    /// Whether the film counts proposals by kernel and pixel.
+    counted: bool,
     start: Start,
     phase: Phase,
     /// The kernels' pipelines are built while the start is made; it needs but one.
@@ -87,7 +90,9 @@ impl<'a> Chains<'a> {
         settings.guidance.check()?;
         let weights = settings.kernels.clone().unwrap_or_else(|| default_mix(settings.method));
         let mix = Mix::new(&weights, features);
+        let kernels = mix.kernels().len();
         let groups = Groups::new(settings.ensemble, settings.groups.min(layers_that_fit(context, settings)));
+        let counted = counts_fit(context, settings, groups.count(), kernels);
         if settings.target_error.is_some() && groups.count() < 2 {
             return Err(crate::Error::input(
                 "a target error needs at least two groups, whose scatter tells the error: raise --groups or lower --size",
@@ -107,8 +112,8 @@ impl<'a> Chains<'a> {
         let sizes = Sizes {
             chains: 16 * chain_rows(settings.max_depth) as u64 * u64::from(settings.ensemble),
             lists: 4 * list_words(settings.ensemble, BATCH),
-            output: film_bytes(settings, groups.count()).max(BATCH_BYTES),
-            counters: 4 * (COUNTER_WORDS * mix.kernels().len()) as u64,
+            output: film_bytes(settings, groups.count(), if counted { kernels } else { 0 }).max(BATCH_BYTES),
+            counters: 4 * (COUNTER_WORDS * kernels) as u64,
         };
         let start = Start {
             features,
@@ -126,12 +131,13 @@ impl<'a> Chains<'a> {
             settings: settings.clone(),
             build,
             mix,
+            counted,
             start,
             phase: Phase::Fresh,
             kernels: None,
             dispatches_per_step: 1,
             statistics: Statistics {
-                notes: few_groups(settings, groups).into_iter().collect(),
+                notes: few_groups(settings, groups).into_iter().chain(no_counts(settings, counted)).collect(),
                 ..Statistics::default()
             },
         })
@@ -341,11 +347,17 @@ impl Chains<'_> {
         let (image, uncertainty) = layers.finish(scale, ensemble.target_error() / ensemble.target(), beneath);
         let mut directions: Vec<[f64; 2]> = Vec::new();
         if self.settings.maps {
-            let behind = u64::from(groups) * layer..film_bytes(&self.settings, groups);
+            let behind = u64::from(groups) * layer..film_bytes(&self.settings, groups, 0);
             directions = channels_of(&self.run.read(Buffer::Output, behind)?);
         }
+        let mut accepted = Vec::new();
+        for (number, kernel) in self.mix.kernels().enumerate().filter(|_| self.counted && with_error) {
+            let bytes = [number, number + 1].map(|kernels| film_bytes(&self.settings, groups, kernels));
+            accepted.push(acceptance(kernel.name, &self.run.read(Buffer::Output, bytes[0]..bytes[1])?));
+        }
         self.run.device_time = device_time;
-        let channels = maps(&self.settings, |pixel, channel| directions[pixel][channel] as f32);
+        let mut channels = maps(&self.settings, |pixel, channel| directions[pixel][channel] as f32);
+        channels.extend(accepted);
         Ok(Outcome { image, channels, uncertainty, statistics })
     }
 }

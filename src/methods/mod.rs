@@ -17,6 +17,7 @@ pub use crate::report::observer::{Observer, Silent};
 use crate::report::statistics::Statistics;
 use crate::scene::Camera;
 use crate::scene::material::GLOSSY_AS_SPECULAR_ALPHA;
+pub use chain_film::ACCEPTANCE;
 pub use chains::default_mix;
 pub use render::{render, render_on};
 pub use session::{Prepared, Session, Stage};
@@ -110,7 +111,7 @@ pub struct Settings {
     /// Exponent gamma from 0 to 1 of a two-stage target (mlt, emlt): chains spend their samples on the image's luminance
     /// to the power 1 - gamma.
     pub two_stage: Option<f64>,
-    /// Accumulate the mutation-direction maps (mlt, emlt).
+    /// Accumulate the mutation-direction maps, and the acceptance by kernel and pixel (mlt, emlt).
     pub maps: bool,
     /// Part of a device's name; the best one without.
     pub device: Option<String>,

@@ -45,7 +45,7 @@ pub(super) trait Part {
     fn advance(&mut self, limit: Option<Duration>) -> crate::Result<()>;
     /// Without what is known outside: device and set-up.
     fn statistics(&self) -> Statistics;
-    /// Without the uncertainty unless `with_error` is set.
+    /// Without the uncertainty, and the acceptance by pixel, unless `with_error` is set.
     fn snapshot(&mut self, with_error: bool) -> crate::Result<Outcome>;
 }
 
@@ -166,7 +166,8 @@ impl<'a> Session<'a> {
         self.outcome(true)
     }
 
-    /// The same without the image's own error, in a fraction of the time: for those who look many times a second.
+    /// The same without the image's own error and the acceptance by pixel, in a fraction of the time: for those who look
+    /// many times a second.
     pub fn glance(&mut self) -> crate::Result<Outcome> {
         self.outcome(false)
     }

@@ -299,6 +299,11 @@ impl<'a> Importer<'a> {
             scene.cameras.push(camera::framed(&scene));
             scene.warnings.push("The file has no camera: one that sees the whole scene is added.".into());
         }
+        for path in file.read.take() {
+            if !scene.files.contains(&path) {
+                scene.files.push(path);
+            }
+        }
         Ok(scene)
     }
 }

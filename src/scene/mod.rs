@@ -10,6 +10,8 @@ pub mod material;
 pub mod sheen;
 pub mod texture;
 
+use std::path::PathBuf;
+
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 
 pub use camera::Camera;
@@ -29,6 +31,8 @@ const MEAN_POINTS: f64 = 16e6;
 pub struct Scene {
     /// Name for messages and metadata: the file's stem.
     pub name: String,
+    /// What it was read from: the file itself first, then the buffers and images beside it.
+    pub files: Vec<PathBuf>,
     /// World positions, in the file's units.
     pub positions: Vec<Vec3>,
     /// Unit shading normals, one per position.

@@ -9,11 +9,12 @@ use eframe::egui::{self, Rect, Ui, Vec2};
 use glam::Vec3;
 
 use super::canvas::{Hovered, Placement};
+use super::files::Watches;
 use super::messages::{Command, Event, Job, Opened};
 use super::orbit::Orbit;
-use super::slot::{ErrorMap, Overlay, Slot};
+use super::overlay::Layer;
+use super::slot::Slot;
 use super::tone::Tone;
-use super::watch::Watch;
 use crate::film::Image;
 use crate::methods::{Method, Settings, default_size};
 use crate::scene::Camera;
@@ -46,10 +47,12 @@ pub struct Viewer {
     pub(super) placement: Placement,
     /// First part of the canvas and the film's size, of the last frame.
     pub(super) parts: (Rect, Vec2),
-    pub(super) show_maps: bool,
-    /// Share of the maps in what is seen.
-    pub(super) maps_share: f32,
-    pub(super) show_error: Option<ErrorMap>,
+    /// What lies over the pictures.
+    pub(super) layer: Option<Layer>,
+    /// How opaque it is, by its kind.
+    pub(super) shares: [f32; 4],
+    /// The kernel whose acceptance was looked at last.
+    pub(super) kernel: Option<&'static str>,
     pub(super) reference: Option<Arc<Image>>,
     pub(super) hovered: Option<Hovered>,
     pub(super) note: Option<Note>,
@@ -63,8 +66,7 @@ pub struct Viewer {
     pub(super) mix_error: Option<String>,
     /// When changed settings take effect.
     apply_at: Option<f64>,
-    pub(super) watch: Option<Watch>,
-    pub(super) shaders: Option<Watch>,
+    pub(super) watches: Watches,
     /// Seconds that the interface took for its last frames, and between them.
     pub(super) pace: Pace,
 }
@@ -101,9 +103,9 @@ impl Viewer {
             tone: Tone::default(),
             placement: Placement::FIT,
             parts: (Rect::ZERO, Vec2::splat(1.0)),
-            show_maps: false,
-            maps_share: 0.6,
-            show_error: None,
+            layer: None,
+            shares: [0.6, 1.0, 1.0, 1.0],
+            kernel: None,
             reference: None,
             hovered: None,
             note: None,
@@ -114,8 +116,7 @@ impl Viewer {
             help: false,
             mix_error: None,
             apply_at: None,
-            watch: None,
-            shaders: None,
+            watches: Watches::default(),
             pace: Pace::default(),
         };
         viewer.send(Command::Open(scene.to_path_buf()));
@@ -133,7 +134,7 @@ impl Viewer {
     /// One frame of the interface.
     pub fn frame(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
-        self.hear();
+        self.hear(&ctx);
         self.keys(&ctx);
         self.take_dropped(&ctx);
         self.look_at_the_disk(&ctx);
@@ -148,10 +149,13 @@ impl Viewer {
     }
 
     /// What the renderer has sent.
-    fn hear(&mut self) {
+    fn hear(&mut self, ctx: &egui::Context) {
         while let Ok(event) = self.events.try_recv() {
             match event {
-                Event::Opened(opened) => self.opened(*opened),
+                Event::Opened(opened) => {
+                    ctx.send_viewport_cmd(egui::ViewportCommand::Title(title(&opened.path)));
+                    self.opened(*opened);
+                }
                 Event::Progress { slot, stage, share } => {
                     if let Some(slot) = self.slots.get_mut(slot) {
                         slot.progress = Some((stage, share));
@@ -162,7 +166,8 @@ impl Viewer {
                         slot.set_picture(*picture, error);
                     }
                 }
-                Event::Reference(image) => {
+                Event::Reference { path, image } => {
+                    self.watches.reference(&path);
                     self.slots.iter_mut().for_each(Slot::forget_errors);
                     self.reference = Some(image);
                     let (w, h) = (self.settings.width, self.settings.height);
@@ -191,7 +196,7 @@ impl Viewer {
         let Some(camera) = camera.cloned() else { return };
         let before = self.orbit.as_ref().and_then(Orbit::look).filter(|_| again);
         let look = self.look.take().or(before);
-        self.watch = Some(Watch::new(&opened.path));
+        self.watches.opened(&opened);
         self.note = opened.warnings.first().map(|text| Note { text: text.clone(), error: false });
         let sphere = opened.sphere;
         self.scene = Some(opened);
@@ -318,13 +323,6 @@ impl Viewer {
         let size = (self.settings.width, self.settings.height);
         self.reference.as_ref().is_some_and(|r| (r.width, r.height) == size)
     }
-
-    /// What lies over the pictures now; the reference is seen while Shift is held, as in tev.
-    pub(super) fn overlay(&self, ui: &Ui) -> Overlay {
-        let free = ui.ctx().input(|i| i.modifiers.shift_only() && !i.pointer.any_down());
-        let reference = free && self.reference.is_some() && !ui.ctx().egui_wants_keyboard_input();
-        Overlay { maps: if self.show_maps { self.maps_share } else { 0.0 }, error: self.show_error, reference }
-    }
 }
 
 impl eframe::App for Viewer {
@@ -338,6 +336,11 @@ impl eframe::App for Viewer {
         self.pace.work_s += 0.1 * (taken - self.pace.work_s);
         self.pace.longest_s = taken.max(0.98 * self.pace.longest_s);
     }
+}
+
+/// The window's title for a scene.
+pub fn title(scene: &Path) -> String {
+    format!("{} - emlt", scene.file_name().unwrap_or_default().to_string_lossy())
 }
 
 /// `name.exr`, or the first of `name-2.exr`, `name-3.exr` and so on that is not taken.

@@ -1,11 +1,11 @@
 //! The pictures: zoomed and panned to the pixel, side by side where there are two, with the value under the cursor.
 
-use eframe::egui::{self, Align2, Color32, FontId, PointerButton, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, Vec2};
+use eframe::egui::{self, Align2, Color32, PointerButton, Pos2, Rect, Sense, Ui, Vec2};
 
 use super::app::Viewer;
+use super::legend::{lacking, legend, pixel_values, text};
+use super::overlay::{Overlay, Values};
 use super::screen::Screen;
-use super::slot::{ErrorMap, heat};
-use crate::film::png::direction_color;
 use crate::methods::Stage;
 
 /// Largest and smallest zoom, in points per pixel.
@@ -50,7 +50,6 @@ impl Placement {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hovered {
     pub pixel: [u32; 2],
-    pub slot: usize,
 }
 
 impl Viewer {
@@ -75,7 +74,7 @@ impl Viewer {
             let rect = placement.rect(part, size);
             let reference = self.reference.as_deref();
             let of = &mut self.slots[slot];
-            if let Some((colors, version)) = of.colors(tone, &overlay, reference, max_side) {
+            if let Some((colors, version)) = of.colors(tone, overlay, reference, max_side) {
                 // Pixels are sharp where they are large, except those of a preview, which are no pixels of the image.
                 let enlarged = placement.scale(part, size) * ui.ctx().pixels_per_point() >= 1.0;
                 let smooth = of.picture.preview || !enlarged;
@@ -86,17 +85,22 @@ impl Viewer {
                     painter.add(Screen { slot, colors, version, smooth, part }.shape(seen));
                 }
             }
-            self.captions(&painter, part, slot, &overlay);
+            if let Some(image) = self.slots[slot].picture.image.as_deref().filter(|_| !self.slots[slot].picture.preview)
+            {
+                let shown = if overlay.reference && self.comparable() { reference.unwrap_or(image) } else { image };
+                pixel_values(&painter, shown, rect, rect.intersect(painter.clip_rect()));
+            }
+            self.captions(&painter, part, slot, overlay);
         }
         self.hovered = response.hover_pos().and_then(|point| {
             let slot = part_of(point);
             let at = (point - self.placement.rect(part(slot), size).min) / self.placement.scale(part(slot), size);
             let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < size.x && at.y < size.y;
-            inside.then_some(Hovered { pixel: [at.x as u32, at.y as u32], slot })
+            inside.then_some(Hovered { pixel: [at.x as u32, at.y as u32] })
         });
         if ui.ctx().input(|i| !i.raw.hovered_files.is_empty()) {
             painter.rect_filled(response.rect, 0.0, Color32::from_black_alpha(160));
-            let words = "drop a scene (.glb, .gltf) or a reference image (.exr)";
+            let words = "drop a scene (.glb, .gltf), a sky (.hdr, .exr) or a reference (.exr)";
             text(&painter, response.rect.center(), Align2::CENTER_CENTER, words, 20.0);
         }
     }
@@ -151,7 +155,7 @@ impl Viewer {
     }
 
     /// What is written over a picture.
-    fn captions(&self, painter: &egui::Painter, part: Rect, slot: usize, overlay: &super::slot::Overlay) {
+    fn captions(&self, painter: &egui::Painter, part: Rect, slot: usize, overlay: Overlay) {
         let of = &self.slots[slot];
         let at = part.left_top() + Vec2::new(10.0, 10.0);
         if self.slots.len() > 1 {
@@ -168,63 +172,17 @@ impl Viewer {
             let what = if of.picture.preview { " \u{2013} preview by path tracing" } else { "" };
             text(painter, part.left_bottom() + Vec2::new(10.0, -10.0), Align2::LEFT_BOTTOM, &(status + what), 14.0);
         }
-        if overlay.maps > 0.0 && of.picture.maps.is_some() {
-            directions_legend(painter, part.right_bottom() + Vec2::new(-10.0, -10.0));
-        }
-        let shown = match overlay.error {
-            Some(ErrorMap::Reference) => self.comparable(),
-            Some(ErrorMap::Own) => of.picture.own.is_some(),
-            None => false,
-        };
-        if shown {
-            heat_legend(painter, part.right_bottom() + Vec2::new(-10.0, -10.0));
+        let at = part.right_bottom() + Vec2::new(-10.0, -10.0);
+        if let Some(layer) = overlay.layer.filter(|_| !of.picture.preview && !overlay.reference) {
+            if Values::of(layer, &of.picture, self.reference.as_deref()).is_some() {
+                legend(painter, at, layer);
+            } else if of.picture.image.is_some() {
+                text(painter, at, Align2::RIGHT_BOTTOM, &lacking(layer, of, self.comparable()), 14.0);
+            }
         }
         if overlay.reference && self.comparable() {
             text(painter, part.right_top() + Vec2::new(-10.0, 10.0), Align2::RIGHT_TOP, "reference", 16.0);
         }
-    }
-}
-
-/// Light text on a dark ground, so that it is legible over any picture.
-fn text(painter: &egui::Painter, at: Pos2, anchor: Align2, words: &str, size: f32) {
-    let galley = painter.layout_no_wrap(words.into(), FontId::proportional(size), Color32::from_gray(235));
-    let rect = anchor.anchor_size(at, galley.size());
-    painter.rect_filled(rect.expand(4.0), 4.0, Color32::from_black_alpha(170));
-    painter.galley(rect.min, galley, Color32::WHITE);
-}
-
-/// What the colours of the maps mean.
-fn directions_legend(painter: &egui::Painter, corner: Pos2) {
-    let rows =
-        [([1.0, 0.0], "sideways"), ([0.0, 1.0], "up and down"), ([1.0, 1.0], "both alike"), ([0.0, 0.0], "not at all")];
-    let rows = rows.map(|([h, v], words)| {
-        let [r, g, b] = direction_color(h, v);
-        (Color32::from_rgb(r, g, b), words.to_string())
-    });
-    legend(painter, corner, "accepted moves", &rows);
-}
-
-/// What the colours of the error mean.
-fn heat_legend(painter: &egui::Painter, corner: Pos2) {
-    let rows = [1.0, 0.75, 0.5, 0.25, 0.0].map(|share| (heat(share), format!("{:.0} %", 100.0 * share)));
-    legend(painter, corner, "relative error", &rows);
-}
-
-fn legend(painter: &egui::Painter, corner: Pos2, title: &str, rows: &[(Color32, String)]) {
-    const ROW: f32 = 18.0;
-    let size = Vec2::new(122.0, ROW * (rows.len() + 1) as f32 + 10.0);
-    let rect = Align2::RIGHT_BOTTOM.anchor_size(corner, size);
-    painter.rect_filled(rect, 4.0, Color32::from_black_alpha(190));
-    let font = FontId::proportional(13.0);
-    let at = |row: usize| rect.min + Vec2::new(8.0, 5.0 + ROW * (row as f32 + 0.5));
-    painter.text(at(0), Align2::LEFT_CENTER, title, font.clone(), Color32::from_gray(235));
-    for (row, (color, words)) in rows.iter().enumerate() {
-        let middle = at(row + 1);
-        let patch = Rect::from_center_size(middle + Vec2::new(7.0, 0.0), Vec2::splat(12.0));
-        painter.rect_filled(patch, 2.0, *color);
-        painter.rect_stroke(patch, 2.0, Stroke::new(1.0, Color32::from_gray(110)), StrokeKind::Outside);
-        let words_at = middle + Vec2::new(22.0, 0.0);
-        painter.text(words_at, Align2::LEFT_CENTER, words, font.clone(), Color32::from_gray(215));
     }
 }
 

@@ -5,13 +5,15 @@ use eframe::egui;
 use super::app::{Note, Viewer};
 use super::messages::Opened;
 use super::orbit::Orbit;
+use super::overlay::Layer;
 use crate::methods::{Direct, Method, Settings};
 
 impl Viewer {
     pub(super) fn copy_command_line(&mut self, ctx: &egui::Context) {
         let (Some(scene), Some(orbit)) = (&self.scene, &self.orbit) else { return };
         let samples = self.slots.first().map_or(0, |slot| slot.picture.statistics.samples);
-        let text = command_line(scene, &self.settings, orbit, samples, self.show_maps);
+        let maps = matches!(self.layer, Some(Layer::Directions | Layer::Acceptance(_)));
+        let text = command_line(scene, &self.settings, orbit, samples, maps);
         self.note = Some(Note { text: format!("copied: {text}"), error: false });
         ctx.copy_text(text);
     }
@@ -108,6 +110,7 @@ mod tests {
         };
         Opened {
             path: "scenes/my box.glb".into(),
+            files: vec![],
             name: "my box".into(),
             sky: None,
             triangles: 1,

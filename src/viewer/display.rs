@@ -1,12 +1,13 @@
 //! The bars at the edges, the panel at the side, and how the picture is shown.
 
 use eframe::egui::{
-    self, Button, CollapsingHeader, Color32, Frame, Panel, RichText, ScrollArea, Slider, SliderClamping, Ui,
+    self, Button, CollapsingHeader, Color32, ComboBox, Frame, Grid, Panel, RichText, ScrollArea, Slider,
+    SliderClamping, Ui,
 };
 
 use super::app::Viewer;
 use super::canvas::Placement;
-use super::slot::ErrorMap;
+use super::overlay::{Layer, Values};
 use super::tone::{Curve, Tone};
 use crate::methods::Method;
 
@@ -49,16 +50,25 @@ impl Viewer {
                     self.actual_size(&ui.ctx().clone());
                 }
                 ui.separator();
-                ui.toggle_value(&mut self.show_maps, "Maps").on_hover_text("mutation-direction maps (M)");
-                let mut error_map = |of: ErrorMap, name: &str, tip: &str| {
-                    let shown = self.show_error == Some(of);
-                    if ui.add(Button::selectable(shown, name)).on_hover_text(tip).clicked() {
-                        self.show_error = (!shown).then_some(of);
-                    }
+                let mut toggle = |shown: bool, name: &str, tip: &str| {
+                    ui.add(Button::selectable(shown, name)).on_hover_text(tip).clicked()
                 };
-                error_map(ErrorMap::Own, "Own error", "relative error as the image tells it (W)");
-                if self.reference.is_some() {
-                    error_map(ErrorMap::Reference, "Error", "relative error against the reference (D)");
+                let now = self.layer;
+                let shows = |layer| now == Some(layer);
+                if toggle(shows(Layer::Directions), "Directions", "where accepted mutations move (M)") {
+                    self.toggle(Layer::Directions);
+                }
+                let accepted = matches!(now, Some(Layer::Acceptance(_)));
+                if toggle(accepted, "Acceptance", "share of a kernel's proposals that is accepted (A)") {
+                    self.toggle_acceptance();
+                }
+                if toggle(shows(Layer::OwnError), "Own error", "relative error as the image tells it (W)") {
+                    self.toggle(Layer::OwnError);
+                }
+                if self.reference.is_some()
+                    && toggle(shows(Layer::ReferenceError), "Error", "relative error to the reference (D)")
+                {
+                    self.toggle(Layer::ReferenceError);
                 }
                 ui.separator();
                 ui.toggle_value(&mut self.panels, "Panels").on_hover_text("Ctrl+B");
@@ -74,10 +84,14 @@ impl Viewer {
                 ui.monospace(self.under_the_cursor());
                 let Some(note) = &self.note else { return };
                 ui.separator();
-                let text = RichText::new(&note.text);
-                let label = egui::Label::new(if note.error { text.color(ERROR) } else { text }).truncate();
-                let gone = note.error && ui.small_button("\u{d7}").on_hover_text("hide this message").clicked();
-                ui.add(label).on_hover_text(&note.text);
+                let gone = note.error && ui.small_button("Hide").clicked();
+                // What went wrong is to be read in full.
+                let label = if note.error {
+                    egui::Label::new(RichText::new(&note.text).color(ERROR)).wrap()
+                } else {
+                    egui::Label::new(&note.text).truncate()
+                };
+                ui.add(label);
                 if gone {
                     self.note = None;
                 }
@@ -85,34 +99,42 @@ impl Viewer {
         });
     }
 
-    /// Pixel, linear value and, where there is one, the reference's.
+    /// Zoom, pixel, and linear values there: of every picture, with what the overlay tells, and of the reference.
     fn under_the_cursor(&self) -> String {
-        let zoom = self.placement.scale(self.parts.0, self.parts.1);
-        let Some(hovered) = self.hovered else {
-            let (w, h) = (self.settings.width, self.settings.height);
-            return format!("{w} x {h}  {:.0} %", 100.0 * zoom);
-        };
+        let zoom = format!("{:.0} %", 100.0 * self.placement.scale(self.parts.0, self.parts.1));
+        let (width, height) = (self.settings.width, self.settings.height);
+        let Some(hovered) = self.hovered else { return format!("{zoom}  {width} x {height}") };
         let [x, y] = hovered.pixel;
-        let place = format!("({x}, {y})");
-        let Some(picture) = self.slots.get(hovered.slot).map(|slot| &slot.picture) else { return place };
-        let Some(image) = picture.image.as_ref() else { return place };
-        // A preview has fewer pixels than the image that it stands for.
-        let scaled = |at: u32, side: u32, of: u32| (u64::from(at) * u64::from(side) / u64::from(of)) as u32;
-        let (px, py) = (scaled(x, image.width, self.settings.width), scaled(y, image.height, self.settings.height));
-        let index = (py * image.width + px) as usize;
-        let Some([r, g, b]) = image.pixels.get(index) else { return place };
-        let mut text = format!("{place}  {r:.4} {g:.4} {b:.4}");
-        if let Some([r, g, b]) = self.reference.as_ref().filter(|_| self.comparable()).and_then(|i| i.pixels.get(index))
-        {
-            text += &format!("  reference {r:.4} {g:.4} {b:.4}");
+        let mut text = format!("{zoom}  ({x}, {y})");
+        for slot in &self.slots {
+            let picture = &slot.picture;
+            let Some(image) = picture.image.as_ref() else { continue };
+            // A preview has fewer pixels than the image that it stands for.
+            let scaled = |at: u32, side: u32, of: u32| (u64::from(at) * u64::from(side) / u64::from(of)) as u32;
+            let index = scaled(y, image.height, height) * image.width + scaled(x, image.width, width);
+            let Some([r, g, b]) = image.pixels.get(index as usize) else { continue };
+            if self.slots.len() > 1 {
+                text += &format!("  {}", slot.settings.method.name());
+            }
+            text += &format!("  {r:.4} {g:.4} {b:.4}");
+            let values = self.layer.and_then(|layer| Values::of(layer, picture, self.reference.as_deref()));
+            if let Some(share) = values.and_then(|values| values.share(index as usize)) {
+                text += &format!("  {:.1} %", 100.0 * share);
+            }
+        }
+        let reference = self.reference.as_ref().filter(|_| self.comparable());
+        if let Some([r, g, b]) = reference.and_then(|image| image.pixels.get((y * width + x) as usize)) {
+            text += &format!("  reference  {r:.4} {g:.4} {b:.4}");
         }
         text
     }
 
     /// Everything else, under headers that fold.
     pub(super) fn side_panel(&mut self, ui: &mut Ui) {
-        let panel = Panel::right("side").frame(bare(ui)).default_size(330.0).size_range(260.0..=560.0);
+        let panel = Panel::right("side").frame(bare(ui)).default_size(345.0).size_range(260.0..=560.0);
         panel.show(ui, |ui| {
+            // Room for the bar beside what is scrolled.
+            ui.spacing_mut().scroll.floating_allocated_width = 10.0;
             ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
                 section(ui, "Display", |ui| self.display(ui));
                 section(ui, "Rendering", |ui| self.rendering(ui));
@@ -125,35 +147,70 @@ impl Viewer {
     }
 
     fn display(&mut self, ui: &mut Ui) {
-        let before = self.tone;
-        let tone = &mut self.tone;
-        ui.add(
-            Slider::new(&mut tone.exposure, -10.0..=10.0)
-                .step_by(0.1)
-                .clamping(SliderClamping::Edits)
-                .text("exposure, stops"),
-        );
-        ui.add(Slider::new(&mut tone.offset, -1.0..=1.0).step_by(0.01).clamping(SliderClamping::Edits).text("offset"));
-        ui.horizontal(|ui| {
-            for curve in Curve::ALL {
-                ui.selectable_value(&mut self.tone.curve, curve, curve.name());
-            }
-            ui.separator();
-            if ui.button("Normalise").clicked() {
-                self.normalise();
-            }
-            if ui.add_enabled(before != Tone::default(), Button::new("Reset")).clicked() {
-                self.tone = Tone::default();
+        grid("display").show(ui, |ui| {
+            let tone = &mut self.tone;
+            let name = ui.label("exposure").on_hover_text("stops (E)").id;
+            let exposure = Slider::new(&mut tone.exposure, -10.0..=10.0).step_by(0.1);
+            ui.add(exposure.clamping(SliderClamping::Edits)).labelled_by(name);
+            ui.end_row();
+            let name = ui.label("offset").on_hover_text("added after the exposure (O)").id;
+            let offset = Slider::new(&mut tone.offset, -1.0..=1.0).step_by(0.01);
+            ui.add(offset.clamping(SliderClamping::Edits)).labelled_by(name);
+            ui.end_row();
+            ui.label("tone curve").on_hover_text("Shift+Right, Shift+Left");
+            ui.horizontal(|ui| {
+                for curve in Curve::ALL {
+                    ui.selectable_value(&mut tone.curve, curve, curve.name());
+                }
+            });
+            ui.end_row();
+            ui.label("");
+            ui.horizontal(|ui| {
+                if ui.button("Normalise").on_hover_text("smallest value black, largest white (N)").clicked() {
+                    self.normalise();
+                }
+                let reset = Button::new("Reset");
+                if ui.add_enabled(self.tone != Tone::default(), reset).on_hover_text("R").clicked() {
+                    self.tone = Tone::default();
+                }
+            });
+            ui.end_row();
+            self.overlay_choice(ui);
+        });
+    }
+
+    /// What lies over the pictures, and how opaque: two rows of a grid.
+    fn overlay_choice(&mut self, ui: &mut Ui) {
+        let mut layers = vec![None, Some(Layer::Directions)];
+        layers.extend(self.kernels_at_work().into_iter().map(|kernel| Some(Layer::Acceptance(kernel))));
+        layers.push(Some(Layer::OwnError));
+        layers.extend(self.reference.is_some().then_some(Some(Layer::ReferenceError)));
+        let text = |layer: Option<Layer>| layer.map_or("none".into(), Layer::name);
+        let name = ui.label("overlay").on_hover_text("M, A, W, D").id;
+        let choice = ComboBox::from_id_salt("overlay").selected_text(text(self.layer)).width(200.0);
+        let choice = choice.show_ui(ui, |ui| {
+            for layer in layers {
+                if ui.selectable_label(self.layer == layer, text(layer)).clicked() {
+                    match layer {
+                        Some(layer) => self.look_at(layer),
+                        None => self.layer = None,
+                    }
+                }
             }
         });
-        ui.horizontal(|ui| {
-            ui.checkbox(&mut self.show_maps, "direction maps");
-            ui.add_enabled(self.show_maps, Slider::new(&mut self.maps_share, 0.05..=1.0).show_value(false));
-        });
-        if self.show_maps && self.slots.iter().all(|slot| slot.settings.method == Method::Pt) {
-            ui.weak("Path tracing makes no mutations: choose emlt or mlt.");
+        choice.response.labelled_by(name);
+        ui.end_row();
+        if let Some(layer) = self.layer {
+            let name = ui.label("opacity").on_hover_text("of the overlay; the image shows through").id;
+            ui.add(Slider::new(&mut self.shares[layer.kind()], 0.0..=1.0).step_by(0.05)).labelled_by(name);
+            ui.end_row();
         }
     }
+}
+
+/// The grid of a section: names, all as wide in every section, and values.
+pub fn grid(id: &str) -> Grid {
+    Grid::new(id).num_columns(2).min_col_width(92.0).spacing([12.0, 4.0])
 }
 
 /// A panel without a ground of its own: the window is cleared in its colour. A pixel that egui fills costs some 50 ns on a

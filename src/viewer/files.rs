@@ -1,13 +1,62 @@
 //! What comes from the disk while the window is open: files that are dropped, and those that change.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use eframe::egui;
 
 use super::app::{Note, Viewer};
-use super::messages::Command;
+use super::messages::{Command, Opened};
 use super::watch::{self, Watch};
+
+/// What is read again when it changes; each is none until there is one.
+#[derive(Debug, Default)]
+pub struct Watches {
+    /// The scene with its buffers and images.
+    scene: Option<Watch>,
+    sky: Option<Watch>,
+    reference: Option<Watch>,
+    shaders: Option<Watch>,
+}
+
+impl Watches {
+    /// A scene was read, perhaps with a sky.
+    pub fn opened(&mut self, opened: &Opened) {
+        // The path that was asked for comes first, also where nothing is said of files.
+        let beside = opened.files.iter().filter(|path| **path != opened.path);
+        watch(&mut self.scene, [&opened.path].into_iter().chain(beside).cloned().collect());
+        match &opened.sky {
+            Some(sky) => watch(&mut self.sky, vec![sky.clone()]),
+            None => self.sky = None,
+        }
+    }
+
+    pub fn reference(&mut self, path: &Path) {
+        watch(&mut self.reference, vec![path.to_path_buf()]);
+    }
+
+    /// What to ask of the renderer at this time.
+    fn changes(&mut self, now_s: f64) -> Vec<Command> {
+        let read_again: [(&mut Option<Watch>, fn(PathBuf) -> Command); 4] = [
+            (&mut self.scene, Command::Open),
+            (&mut self.sky, Command::Sky),
+            (&mut self.reference, Command::Reference),
+            (&mut self.shaders, Command::Shaders),
+        ];
+        let changed = |(watch, command): (&mut Option<Watch>, fn(PathBuf) -> Command)| {
+            let watch = watch.as_mut()?;
+            watch.changed(now_s).then(|| command(watch.paths()[0].clone()))
+        };
+        read_again.into_iter().filter_map(changed).collect()
+    }
+}
+
+/// Watches these paths from now on; where they are watched already, changes since they were read are not lost.
+fn watch(watch: &mut Option<Watch>, paths: Vec<PathBuf>) {
+    if watch.as_ref().is_none_or(|watch| watch.paths() != paths) {
+        *watch = Some(Watch::of_all(paths));
+    }
+}
 
 impl Viewer {
     /// Reads the scene again.
@@ -19,7 +68,7 @@ impl Viewer {
 
     /// Uses a folder's shaders, now and whenever one of them changes.
     pub(super) fn use_shaders(&mut self, folder: &Path) {
-        self.shaders = Some(Watch::new(folder));
+        self.watches.shaders = Some(Watch::new(folder));
         self.send(Command::Shaders(folder.to_path_buf()));
     }
 
@@ -48,16 +97,8 @@ impl Viewer {
     }
 
     pub(super) fn look_at_the_disk(&mut self, ctx: &egui::Context) {
-        let now = ctx.input(|i| i.time);
-        let changed = |watch: &mut Option<Watch>| {
-            let watch = watch.as_mut()?;
-            watch.changed(now).then(|| watch.path().to_path_buf())
-        };
-        if let Some(path) = changed(&mut self.watch) {
-            self.send(Command::Open(path));
-        }
-        if let Some(path) = changed(&mut self.shaders) {
-            self.send(Command::Shaders(path));
+        for command in self.watches.changes(ctx.input(|i| i.time)) {
+            self.send(command);
         }
         ctx.request_repaint_after(Duration::from_secs_f64(watch::INTERVAL_S));
     }

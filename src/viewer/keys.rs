@@ -4,7 +4,7 @@ use eframe::egui::{self, Key, Modifiers, ViewportCommand};
 
 use super::app::Viewer;
 use super::canvas::Placement;
-use super::slot::ErrorMap;
+use super::overlay::Layer;
 use super::tone::{Curve, Tone};
 use crate::methods::Method;
 
@@ -22,18 +22,26 @@ pub const HELP: &[(&str, &[(&str, &str)])] = &[
             ("Ctrl+0", "actual size: a pixel is a pixel"),
             ("+ / \u{2212}, wheel", "zoom"),
             ("drag, H J K L", "move the image; a double click fits it"),
-            ("M", "mutation-direction maps"),
-            ("D", "relative error against the reference"),
-            ("W", "relative error as the image tells it of itself"),
             ("Shift (held)", "the reference"),
+        ],
+    ),
+    (
+        "Over the image",
+        &[
+            ("M", "mutation-direction maps"),
+            ("A / Shift+A", "acceptance of the next and previous kernel"),
+            ("W", "relative error as the image tells it of itself"),
+            ("D", "relative error to the reference"),
         ],
     ),
     (
         "Camera",
         &[
             ("right drag", "orbit"),
-            ("middle drag, Shift+right drag", "sideways, up and down"),
-            ("Ctrl+wheel, Ctrl+right drag", "nearer and farther"),
+            ("middle drag", "sideways, up and down"),
+            ("Shift+right drag", "the same"),
+            ("Ctrl+wheel", "nearer and farther"),
+            ("Ctrl+right drag", "the same"),
             ("Home", "back to where the file has it"),
         ],
     ),
@@ -98,12 +106,14 @@ impl Viewer {
                 self.placement.zoom_at(part, size, part.center(), factor);
             }
         }
-        if pressed(plain, Key::M) {
-            self.show_maps = !self.show_maps;
-        }
-        for (key, map) in [(Key::D, ErrorMap::Reference), (Key::W, ErrorMap::Own)] {
+        for (key, layer) in [(Key::M, Layer::Directions), (Key::D, Layer::ReferenceError), (Key::W, Layer::OwnError)] {
             if pressed(plain, key) {
-                self.show_error = if self.show_error == Some(map) { None } else { Some(map) };
+                self.toggle(layer);
+            }
+        }
+        for (modifiers, forwards) in [(shift, false), (plain, true)] {
+            if pressed(modifiers, Key::A) {
+                self.next_acceptance(forwards);
             }
         }
         if pressed(plain, Key::Home) {
@@ -166,17 +176,23 @@ impl Viewer {
     pub(super) fn help_window(&mut self, ctx: &egui::Context) {
         let window = egui::Window::new("Keys and mouse").open(&mut self.help).collapsible(false).resizable(false);
         window.show(ctx, |ui| {
-            for (subject, rows) in HELP {
+            let table = |ui: &mut egui::Ui, (subject, rows): &(&str, &[(&str, &str)])| {
                 ui.strong(*subject);
-                egui::Grid::new(*subject).num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
+                egui::Grid::new(*subject).num_columns(2).min_col_width(150.0).spacing([12.0, 4.0]).show(ui, |ui| {
                     for (keys, what) in *rows {
                         ui.monospace(*keys);
                         ui.label(*what);
                         ui.end_row();
                     }
                 });
-                ui.add_space(6.0);
-            }
+                ui.add_space(8.0);
+            };
+            ui.horizontal_top(|ui| {
+                for column in HELP.chunks(HELP.len().div_ceil(2)) {
+                    ui.vertical(|ui| column.iter().for_each(|part| table(ui, part)));
+                    ui.add_space(16.0);
+                }
+            });
         });
     }
 }

@@ -9,7 +9,7 @@ use std::thread::{self, JoinHandle};
 use eframe::egui::{self, Vec2, ViewportBuilder};
 use glam::Vec3;
 
-use super::app::Viewer;
+use super::app::{Viewer, title};
 use super::messages::{Command, Event, Outbox};
 use super::screen;
 use super::worker::{State, Worker};
@@ -95,9 +95,16 @@ pub(super) fn work(context: Context, state: State, another: impl FnOnce() -> Res
     match another().and_then(|context| context.set_sources(sources).map(|()| context)) {
         Ok(context) => {
             state.out.send(Event::Note("the device was lost and opened again: the image begins anew".into()));
-            Worker::new(&context, state).run();
+            if let Some(state) = Worker::new(&context, state).run() {
+                let sentence = "the device was lost again: close this window, and start anew with another --device";
+                state.out.send(Event::Failed(sentence.into()));
+                state.finish();
+            }
         }
-        Err(error) => state.out.send(Event::Failed(error.to_string())),
+        Err(error) => {
+            state.out.send(Event::Failed(error.to_string()));
+            state.finish();
+        }
     }
 }
 
@@ -123,10 +130,9 @@ pub fn run(launch: Launch) -> Result<()> {
         }
     });
     let Renderer { commands, events, thread } = start(launch.settings.device.clone(), wake)?;
-    let title = format!("{} - emlt", launch.scene.file_name().unwrap_or_default().to_string_lossy());
     let options = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
-            .with_title(&title)
+            .with_title(title(&launch.scene))
             .with_app_id("emlt")
             .with_inner_size(Vec2::new(1280.0, 800.0))
             .with_min_inner_size(Vec2::new(480.0, 320.0)),

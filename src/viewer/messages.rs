@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::Sender;
+use std::sync::mpsc::{SendError, Sender};
 
 use glam::Vec3;
 
@@ -71,6 +71,8 @@ pub enum Command {
 #[derive(Debug, Clone)]
 pub struct Opened {
     pub path: PathBuf,
+    /// All that it was read from.
+    pub files: Vec<PathBuf>,
     pub name: String,
     /// The map around it.
     pub sky: Option<PathBuf>,
@@ -89,6 +91,9 @@ pub struct Picture {
     /// Horizontal and vertical motion by pixel (mlt, emlt).
     pub maps: Option<Arc<[Vec<f32>; 2]>>,
     pub statistics: Statistics,
+    /// By the names of the kernels, the share of proposals from every pixel that was accepted, NaN where there were none
+    /// (mlt, emlt); newer now and then.
+    pub acceptance: Option<Arc<Vec<(String, Vec<f32>)>>>,
     /// What the image tells of its own error; newer now and then.
     pub own: Option<Arc<OwnError>>,
     /// A quick small image by the path tracer, until the method has one.
@@ -129,7 +134,10 @@ pub enum Event {
         picture: Box<Picture>,
         error: Option<ErrorPoint>,
     },
-    Reference(Arc<Image>),
+    Reference {
+        path: PathBuf,
+        image: Arc<Image>,
+    },
     /// Something went well.
     Note(String),
     /// Something went wrong: a sentence that says what to do.
@@ -144,9 +152,11 @@ pub struct Outbox {
 }
 
 impl Outbox {
-    /// A window that is gone hears nothing, which is no error.
+    /// A window that is gone hears nothing; what went wrong is then said where it was started.
     pub fn send(&self, event: Event) {
-        let _ = self.events.send(event);
+        if let Err(SendError(Event::Failed(sentence))) = self.events.send(event) {
+            eprintln!("error: {sentence}");
+        }
         (self.wake)();
     }
 }

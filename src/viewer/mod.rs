@@ -12,8 +12,10 @@ mod display;
 mod files;
 mod keys;
 mod launch;
+mod legend;
 mod messages;
 mod orbit;
+mod overlay;
 mod preview;
 #[cfg(test)]
 mod renderer_tests;
@@ -26,6 +28,10 @@ mod statistics;
 mod tests;
 mod tone;
 mod watch;
+#[cfg(test)]
+mod window;
+#[cfg(test)]
+mod window_tests;
 mod worker;
 
 pub use launch::{Launch, check_display, run};

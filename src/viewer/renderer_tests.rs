@@ -111,7 +111,7 @@ fn skies_and_references_are_told_apart() {
     send(Command::Render(Box::new(job)));
     send(Command::Image(write("same.exr", 32, 16)));
     wait_for(&renderer.events, "reference", |event| match event {
-        Event::Reference(image) => Some(image),
+        Event::Reference { image, .. } => Some(image),
         Event::Failed(sentence) => panic!("{sentence}"),
         _ => None,
     });

@@ -1,73 +1,73 @@
 //! Settings that restart the render.
 
-use eframe::egui::{ComboBox, DragValue, Grid, Slider, SliderClamping, Ui};
+use eframe::egui::{ComboBox, DragValue, Grid, Id, Slider, SliderClamping, Ui};
 
 use super::app::Viewer;
 use super::command_line::mix_words;
+use super::display::grid;
 use crate::ensemble::guidance::{Guidance, MOST_GUIDES};
 use crate::ensemble::mix::Mix;
 use crate::kernels::{self, Kernel};
 use crate::methods::{Direct, MAX_SIDE, Method, default_mix};
 use crate::scene::Features;
 
+/// A row of a grid: a name, and what it names, which is given the name's id.
+fn setting(ui: &mut Ui, name: &str, hint: &str, contents: impl FnOnce(&mut Ui, Id) -> bool) -> bool {
+    let id = ui.label(name).on_hover_text(hint).id;
+    let changed = contents(ui, id);
+    ui.end_row();
+    changed
+}
+
 impl Viewer {
     /// What and how to render.
     pub(super) fn rendering(&mut self, ui: &mut Ui) {
         let mut changed = false;
         let chains = self.settings.method != Method::Pt;
-        Grid::new("rendering").num_columns(2).spacing([12.0, 4.0]).show(ui, |ui| {
-            ui.label("beside it");
-            changed |= self.beside(ui);
-            ui.end_row();
-            ui.label("size");
-            ui.horizontal(|ui| {
-                let width = ui.add(DragValue::new(&mut self.settings.width).range(1..=MAX_SIDE).speed(1.0));
-                ui.label("x");
-                let height = ui.add(DragValue::new(&mut self.settings.height).range(1..=MAX_SIDE).speed(1.0));
-                if width.changed() || height.changed() {
-                    self.own_size = true;
-                    changed = true;
-                }
+        grid("rendering").show(ui, |ui| {
+            let hint = "renders side by side with the first, in equal time";
+            changed |= setting(ui, "second method", hint, |ui, name| self.beside(ui, name));
+            changed |= setting(ui, "size", "pixels (--size)", |ui, name| self.size(ui, name));
+            let settings = &mut self.settings;
+            changed |= setting(ui, "longest path", "edges from camera to light (--max-depth)", |ui, name| {
+                ui.add(Slider::new(&mut settings.max_depth, 1..=31)).labelled_by(name).changed()
             });
-            ui.end_row();
-            ui.label("longest path");
-            let depth = Slider::new(&mut self.settings.max_depth, 1..=31);
-            changed |= ui.add(depth).on_hover_text("edges from camera to light (--max-depth)").changed();
-            ui.end_row();
-            ui.label("seed");
-            changed |= ui.add(DragValue::new(&mut self.settings.seed).speed(0.1)).changed();
-            ui.end_row();
-            if chains {
-                ui.label("ensemble");
-                ComboBox::from_id_salt("ensemble").selected_text(self.settings.ensemble.to_string()).show_ui(
-                    ui,
-                    |ui| {
-                        for paths in (10..=18).map(|n| 1u32 << n) {
-                            let choice = ui.selectable_value(&mut self.settings.ensemble, paths, paths.to_string());
-                            changed |= choice.changed();
-                        }
-                    },
-                );
-                ui.end_row();
-                ui.label("direct light");
-                ui.horizontal(|ui| {
-                    for (direct, words) in [(Direct::Mcmc, "by the chains"), (Direct::Pt, "by pt")] {
-                        changed |= ui.selectable_value(&mut self.settings.direct, direct, words).changed();
+            changed |= setting(ui, "seed", "another one is an independent image (--seed)", |ui, name| {
+                ui.add(DragValue::new(&mut settings.seed).speed(0.1)).labelled_by(name).changed()
+            });
+            if !chains {
+                return;
+            }
+            changed |= setting(ui, "ensemble", "paths that move together (--ensemble)", |ui, name| {
+                let mut changed = false;
+                let choice = ComboBox::from_id_salt("ensemble").selected_text(settings.ensemble.to_string());
+                let choice = choice.show_ui(ui, |ui| {
+                    for paths in (10..=18).map(|n| 1u32 << n) {
+                        changed |= ui.selectable_value(&mut settings.ensemble, paths, paths.to_string()).changed();
                     }
                 });
-                ui.end_row();
-                ui.label("two stages");
-                changed |= self.two_stage(ui);
-                ui.end_row();
-                if self.settings.method == Method::Emlt {
-                    ui.label("guides");
+                choice.response.labelled_by(name);
+                changed
+            });
+            changed |= setting(ui, "direct light", "who renders it (--direct)", |ui, _| {
+                let mut changed = false;
+                ui.horizontal(|ui| {
+                    for (direct, words) in [(Direct::Mcmc, "by the chains"), (Direct::Pt, "path traced")] {
+                        changed |= ui.selectable_value(&mut settings.direct, direct, words).changed();
+                    }
+                });
+                changed
+            });
+            changed |= setting(ui, "two stages", "more samples for dark parts (--two-stage)", |ui, name| {
+                self.two_stage(ui, name)
+            });
+            if self.settings.method == Method::Emlt {
+                changed |= setting(ui, "guides", "that a guided kernel looks at (--guides)", |ui, name| {
                     let guides = Slider::new(&mut self.settings.guidance.guides, 1..=MOST_GUIDES);
-                    changed |= ui.add(guides).on_hover_text("that a guided kernel looks at (--guides)").changed();
-                    ui.end_row();
-                    ui.label("guided steps");
-                    changed |= self.alpha(ui);
-                    ui.end_row();
-                }
+                    ui.add(guides).labelled_by(name).changed()
+                });
+                let hint = "size of guided steps in spreads of the guides (--alpha)";
+                changed |= setting(ui, "guided steps", hint, |ui, name| self.alpha(ui, name));
             }
         });
         if chains {
@@ -79,53 +79,66 @@ impl Viewer {
     }
 
     /// A second method, in equal time.
-    fn beside(&mut self, ui: &mut Ui) -> bool {
+    fn beside(&mut self, ui: &mut Ui, name: Id) -> bool {
         let mut changed = false;
-        let text = self.second.map_or("nothing", Method::name);
-        ComboBox::from_id_salt("beside").selected_text(text).show_ui(ui, |ui| {
-            changed |= ui.selectable_value(&mut self.second, None, "nothing").changed();
+        let text = self.second.map_or("none", Method::name);
+        let choice = ComboBox::from_id_salt("beside").selected_text(text).show_ui(ui, |ui| {
+            changed |= ui.selectable_value(&mut self.second, None, "none").changed();
             for method in [Method::Emlt, Method::Mlt, Method::Pt] {
                 if method != self.settings.method {
                     changed |= ui.selectable_value(&mut self.second, Some(method), method.name()).changed();
                 }
             }
         });
+        choice.response.labelled_by(name);
         changed
     }
 
-    fn two_stage(&mut self, ui: &mut Ui) -> bool {
+    fn size(&mut self, ui: &mut Ui, name: Id) -> bool {
+        let mut changed = false;
+        ui.horizontal(|ui| {
+            let side = |n| DragValue::new(n).range(1..=MAX_SIDE).speed(1.0);
+            changed |= ui.add(side(&mut self.settings.width)).labelled_by(name).changed();
+            let by = ui.label("\u{d7}").id;
+            changed |= ui.add(side(&mut self.settings.height)).labelled_by(by).changed();
+        });
+        self.own_size |= changed;
+        changed
+    }
+
+    fn two_stage(&mut self, ui: &mut Ui, name: Id) -> bool {
         let mut changed = false;
         ui.horizontal(|ui| {
             let mut on = self.settings.two_stage.is_some();
-            if ui.checkbox(&mut on, "").on_hover_text("more samples for dark parts (--two-stage)").changed() {
+            let words = if on { "" } else { "off" };
+            if ui.checkbox(&mut on, words).labelled_by(name).changed() {
                 self.settings.two_stage = on.then_some(0.5);
                 changed = true;
             }
             if let Some(gamma) = &mut self.settings.two_stage {
-                changed |=
-                    ui.add(Slider::new(gamma, 0.0..=1.0).step_by(0.05).clamping(SliderClamping::Edits)).changed();
+                let slider = Slider::new(gamma, 0.0..=1.0).step_by(0.05).clamping(SliderClamping::Edits);
+                changed |= ui.add(slider).labelled_by(name).changed();
             }
         });
         changed
     }
 
     /// The size of guided steps: by similarity, or the same for all.
-    fn alpha(&mut self, ui: &mut Ui) -> bool {
+    fn alpha(&mut self, ui: &mut Ui, name: Id) -> bool {
         let usual = Guidance::default().alpha;
         let mut changed = false;
         ui.horizontal(|ui| {
             let mut same = self.settings.guidance.alpha != usual;
-            if ui.checkbox(&mut same, "").on_hover_text("the same for all (--alpha)").changed() {
+            let words = if same { "" } else { "by similarity" };
+            if ui.checkbox(&mut same, words).labelled_by(name).changed() {
                 self.settings.guidance.alpha = if same { [usual[1]; 2] } else { usual };
                 changed = true;
             }
             if same {
                 let mut alpha = self.settings.guidance.alpha[1];
-                changed |=
-                    ui.add(Slider::new(&mut alpha, 0.01..=1.0).step_by(0.01).clamping(SliderClamping::Edits)).changed();
+                let slider = Slider::new(&mut alpha, 0.01..=1.0).step_by(0.01).clamping(SliderClamping::Edits);
+                changed |= ui.add(slider).labelled_by(name).changed();
                 self.settings.guidance.alpha = [alpha; 2];
-            } else {
-                ui.weak("by similarity");
             }
         });
         changed
@@ -146,9 +159,10 @@ impl Viewer {
                 for (kernel, weight) in &mut weights {
                     let useless = (kernel.useless)(features);
                     let hint = useless.map_or(kernel.about.to_string(), |why| format!("{}: {why}", kernel.about));
-                    ui.label(kernel.name).on_hover_text(&hint);
+                    let name = ui.label(kernel.name).on_hover_text(&hint).id;
                     let slider = Slider::new(weight, 0.0..=1.0).step_by(0.05).clamping(SliderClamping::Edits);
-                    changed |= ui.add_enabled(useless.is_none(), slider).on_hover_text(hint).changed();
+                    changed |=
+                        ui.add_enabled(useless.is_none(), slider).labelled_by(name).on_hover_text(hint).changed();
                     ui.end_row();
                 }
             });
@@ -190,13 +204,15 @@ impl Viewer {
         let (name, look) = (orbit.name().to_string(), orbit.look());
         let mut chosen = None;
         ui.horizontal(|ui| {
-            ComboBox::from_id_salt("camera").selected_text(&name).show_ui(ui, |ui| {
+            let label = ui.label("of the file").id;
+            let choice = ComboBox::from_id_salt("camera").selected_text(&name).show_ui(ui, |ui| {
                 for (number, other) in names.iter().enumerate() {
                     if ui.selectable_label(*other == name, other).clicked() {
                         chosen = Some(number);
                     }
                 }
             });
+            choice.response.labelled_by(label);
             let hint = "back to where the file has it (Home)";
             if look.is_some() && ui.button("Back").on_hover_text(hint).clicked() {
                 self.camera_home();
@@ -206,7 +222,7 @@ impl Viewer {
             ui.monospace(format!("from {:.3} {:.3} {:.3}", eye.x, eye.y, eye.z));
             ui.monospace(format!("at   {:.3} {:.3} {:.3}", target.x, target.y, target.z));
         } else {
-            ui.weak("right drag: orbit   middle drag: sideways   Ctrl+wheel: nearer");
+            ui.weak("Right drag: orbit. Middle drag: sideways. Ctrl+wheel: nearer.");
         }
         if let Some(number) = chosen {
             self.choose_camera(number);

@@ -3,39 +3,16 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use eframe::egui::{Color32, ColorImage};
+use eframe::egui::ColorImage;
 
 use super::messages::{ErrorPoint, Picture};
+use super::overlay::{Overlay, develop};
 use super::tone::Tone;
 use crate::film::Image;
-use crate::film::png::direction_color;
 use crate::methods::{Settings, Stage};
-
-/// Of pixels whose error nothing tells.
-const UNKNOWN: Color32 = Color32::from_gray(90);
 
 /// Counts the colours made by all slots.
 static MADE: AtomicU64 = AtomicU64::new(1);
-
-/// Which error is shown in false colours.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ErrorMap {
-    /// That against the reference.
-    Reference,
-    /// The standard error that the image tells of itself.
-    Own,
-}
-
-/// What is laid over the picture.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Overlay {
-    /// Share of the mutation-direction maps in what is seen, in [0, 1].
-    pub maps: f32,
-    /// A relative error in false colours, instead of the picture.
-    pub error: Option<ErrorMap>,
-    /// The reference instead of the picture.
-    pub reference: bool,
-}
 
 /// A picture with its colours.
 pub struct Slot {
@@ -96,65 +73,19 @@ impl Slot {
     pub fn colors(
         &mut self,
         tone: Tone,
-        overlay: &Overlay,
+        overlay: Overlay,
         reference: Option<&Image>,
         max_side: usize,
     ) -> Option<(Arc<ColorImage>, u64)> {
         let image = self.picture.image.as_ref()?;
-        if self.made_with.as_ref().is_none_or(|(t, o)| *t != tone || o != overlay) {
+        if self.made_with.as_ref().is_none_or(|made| *made != (tone, overlay)) {
             let colors = develop(image, &self.picture, tone, overlay, reference);
             self.colors = Arc::new(shrunk(colors, max_side));
             self.version = MADE.fetch_add(1, Ordering::Relaxed);
-            self.made_with = Some((tone, overlay.clone()));
+            self.made_with = Some((tone, overlay));
         }
         Some((Arc::clone(&self.colors), self.version))
     }
-}
-
-/// The colours on the screen, pixel by pixel.
-fn develop(image: &Image, picture: &Picture, tone: Tone, overlay: &Overlay, reference: Option<&Image>) -> ColorImage {
-    let table = tone.table();
-    let reference = reference.filter(|r| (r.width, r.height) == (image.width, image.height));
-    let shown = if overlay.reference { reference.unwrap_or(image) } else { image };
-    let own = picture.own.as_deref().map(|own| &own.pixels).filter(|e| e.pixels.len() == image.pixels.len());
-    let pairs = image.pixels.iter();
-    let mut colors: Vec<Color32> = match (overlay.error.filter(|_| !overlay.reference), reference, own) {
-        (Some(ErrorMap::Reference), Some(reference), _) => {
-            pairs.zip(&reference.pixels).map(|(a, r)| error_color([0, 1, 2].map(|c| a[c] - r[c]), *r)).collect()
-        }
-        (Some(ErrorMap::Own), _, Some(own)) => {
-            // Where no light has been seen yet, nothing is known of it either.
-            let color = |a: &[f32; 3], e: &[f32; 3]| if *e == [0.0; 3] { UNKNOWN } else { error_color(*e, *a) };
-            pairs.zip(&own.pixels).map(|(a, e)| color(a, e)).collect()
-        }
-        _ => shown.pixels.iter().map(|pixel| table.color(*pixel)).collect(),
-    };
-    if let Some([horizontal, vertical]) = picture.maps.as_deref().filter(|_| overlay.maps > 0.0) {
-        for ((color, h), v) in colors.iter_mut().zip(horizontal).zip(vertical) {
-            let [r, g, b] = direction_color(*h, *v);
-            *color = color.lerp_to_gamma(Color32::from_rgb(r, g, b), overlay.maps);
-        }
-    }
-    ColorImage::new([image.width as usize, image.height as usize], colors)
-}
-
-/// The colour of an error beside a value: [`heat`] of their ratio, floored at a hundredth of white.
-fn error_color(error: [f32; 3], value: [f32; 3]) -> Color32 {
-    let sum = |v: [f32; 3]| v.iter().map(|v| v.abs()).sum::<f32>();
-    heat(sum(error) / (sum(value) + 0.03))
-}
-
-/// From black (no error) over purple and orange to pale yellow (an error of 100 % and more).
-pub fn heat(share: f32) -> Color32 {
-    const STOPS: [[f32; 3]; 5] =
-        [[0.0, 0.0, 4.0], [87.0, 16.0, 110.0], [188.0, 55.0, 84.0], [249.0, 142.0, 9.0], [252.0, 255.0, 164.0]];
-    if share.is_nan() {
-        return Color32::from_rgb(255, 0, 255);
-    }
-    let at = 4.0 * share.clamp(0.0, 1.0);
-    let (low, part) = ((at as usize).min(3), at - at.floor().min(3.0));
-    let [r, g, b] = [0, 1, 2].map(|c| (STOPS[low][c] + part * (STOPS[low + 1][c] - STOPS[low][c])) as u8);
-    Color32::from_rgb(r, g, b)
 }
 
 /// Every n-th pixel, so that the sides fit into a texture.
@@ -171,46 +102,9 @@ fn shrunk(colors: ColorImage, max_side: usize) -> ColorImage {
 
 #[cfg(test)]
 mod tests {
-    use super::super::messages::OwnError;
+    use eframe::egui::Color32;
+
     use super::*;
-
-    fn image(pixels: &[[f32; 3]]) -> Image {
-        Image { width: pixels.len() as u32, height: 1, pixels: pixels.to_vec() }
-    }
-
-    #[test]
-    fn maps_are_blended_over_the_picture() {
-        let overlay = |maps| Overlay { maps, error: None, reference: false };
-        let picture = Picture { maps: Some(Arc::new([vec![1.0], vec![0.0]])), ..Picture::default() };
-        let color = |share| develop(&image(&[[1.0; 3]]), &picture, Tone::default(), &overlay(share), None).pixels[0];
-        assert_eq!(color(0.0), Color32::WHITE);
-        assert_eq!(color(1.0), Color32::RED);
-        assert_eq!(color(0.5), Color32::from_rgb(255, 128, 128));
-    }
-
-    #[test]
-    fn errors_are_hot_and_agreement_is_black() {
-        let overlay = Overlay { maps: 0.0, error: Some(ErrorMap::Reference), reference: false };
-        let picture = Picture::default();
-        let (a, r) = (image(&[[1.0; 3], [2.0; 3]]), image(&[[1.0; 3], [1.0; 3]]));
-        let colors = develop(&a, &picture, Tone::default(), &overlay, Some(&r)).pixels;
-        assert_eq!(colors[0], heat(0.0));
-        assert_eq!(colors[1], heat(0.99));
-        // A reference of another size cannot be compared.
-        let colors = develop(&a, &picture, Tone::default(), &overlay, Some(&image(&[[1.0; 3]]))).pixels;
-        assert_eq!(colors[0], Color32::WHITE);
-    }
-
-    #[test]
-    fn what_the_image_tells_of_itself_is_hot_too() {
-        let own = OwnError { seconds: 1.0, relative: 0.5, pixels: image(&[[0.0; 3], [1.98; 3]]) };
-        let picture = Picture { own: Some(Arc::new(own)), ..Picture::default() };
-        let overlay = Overlay { maps: 0.0, error: Some(ErrorMap::Own), reference: false };
-        let shown =
-            |picture| develop(&image(&[[1.0; 3], [1.97; 3]]), picture, Tone::default(), &overlay, None).pixels.clone();
-        assert_eq!(shown(&picture), [UNKNOWN, heat(1.0)]);
-        assert_eq!(shown(&Picture::default())[0], Color32::WHITE, "not told yet");
-    }
 
     #[test]
     fn large_images_are_thinned_out() {

@@ -4,6 +4,7 @@
 //! work, and waiting for the renderer's results holds up the window's submissions: see `launch`.
 
 use std::collections::HashMap;
+use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError};
@@ -13,10 +14,10 @@ use std::time::{Duration, Instant};
 use super::messages::{Command, ErrorPoint, Event, Job, Opened, Outbox, OwnError, Picture};
 use super::preview::Preview;
 use crate::film::uncertainty::Uncertainty;
-use crate::film::{Image, exr, metrics};
+use crate::film::{Channel, Image, exr, metrics};
 use crate::gpu::context::Context;
 use crate::gpu::shader::Sources;
-use crate::methods::{Outcome, Prepared, Session, Settings, Stage};
+use crate::methods::{ACCEPTANCE, Outcome, Prepared, Session, Settings, Stage};
 use crate::scene::environment;
 use crate::scene::import::import;
 use crate::scene::light::Environment;
@@ -64,7 +65,8 @@ pub(super) struct Track<'a> {
     /// What it took to show it last.
     showing: Duration,
     own: Option<Arc<OwnError>>,
-    /// When its own error was told last, and how long that took.
+    acceptance: Option<Arc<Vec<(String, Vec<f32>)>>>,
+    /// When these two were told last, and how long that took.
     told: Option<(Instant, Duration)>,
 }
 
@@ -93,6 +95,14 @@ impl State {
             reference: None,
             sky: None,
             saves: Vec::new(),
+        }
+    }
+
+    /// Waits for what is being saved.
+    pub fn finish(self) {
+        for save in self.saves {
+            // It has said itself what went wrong.
+            let _ = save.join();
         }
     }
 }
@@ -141,10 +151,7 @@ impl<'a> Worker<'a> {
                 }
             }
         }
-        for save in self.state.saves {
-            // It has said itself what went wrong.
-            let _ = save.join();
-        }
+        self.state.finish();
         None
     }
 
@@ -229,6 +236,7 @@ impl<'a> Worker<'a> {
     fn show_scene(&mut self, scene: Scene, path: PathBuf) {
         let opened = Opened {
             path: path.clone(),
+            files: scene.files.clone(),
             name: scene.name.clone(),
             sky: self.state.sky.as_ref().map(|(path, _)| path.clone()),
             triangles: scene.triangles.len(),
@@ -295,7 +303,8 @@ impl<'a> Worker<'a> {
                 let prepared = loaded.prepared(&settings, &job.camera)?;
                 let session = Session::start(self.context, prepared, &settings)?;
                 let (spent, showing) = (Duration::ZERO, Duration::ZERO);
-                let track = Track { settings, session, spent, shown: None, showing, own: None, told: None };
+                let (own, acceptance) = (None, None);
+                let track = Track { settings, session, spent, shown: None, showing, own, acceptance, told: None };
                 self.tracks.push(track);
             }
         }
@@ -332,8 +341,14 @@ impl<'a> Worker<'a> {
             |(at, took): (Instant, Duration)| at.elapsed() > BETWEEN_ESTIMATES.max(took.div_f64(ESTIMATES_SHARE));
         let tell = track.told.is_none_or(wait);
         let outcome = if tell { track.session.snapshot()? } else { track.session.glance()? };
-        let Outcome { image, channels, uncertainty, statistics } = outcome;
+        let Outcome { image, mut channels, uncertainty, statistics } = outcome;
         if tell {
+            let of_kernel = |channel: &mut Channel| {
+                let kernel = channel.name.strip_prefix(ACCEPTANCE)?.to_string();
+                Some((kernel, mem::take(&mut channel.values)))
+            };
+            let all: Vec<_> = channels.iter_mut().filter_map(of_kernel).collect();
+            track.acceptance = (!all.is_empty()).then(|| Arc::new(all));
             track.told = Some((Instant::now(), start.elapsed()));
             let told =
                 |u: Uncertainty| OwnError { seconds: statistics.render_s, relative: u.relative, pixels: u.pixels };
@@ -345,10 +360,10 @@ impl<'a> Worker<'a> {
             let seconds = statistics.render_s;
             Some(ErrorPoint { seconds, rel_mse: errors.rel_mse, rel_mse_blocks: errors.rel_mse_blocks })
         });
-        let layer = |name: &str| channels.iter().find(|c| c.name == name).map(|c| c.values.clone());
+        let mut layer = |name: &str| channels.iter_mut().find(|c| c.name == name).map(|c| mem::take(&mut c.values));
         let maps = layer("Maps.Horizontal").zip(layer("Maps.Vertical")).map(|(h, v)| Arc::new([h, v]));
-        let own = track.own.clone();
-        let picture = Picture { image: Some(Arc::new(image)), maps, statistics, own, preview: false };
+        let (own, acceptance) = (track.own.clone(), track.acceptance.clone());
+        let picture = Picture { image: Some(Arc::new(image)), maps, statistics, acceptance, own, preview: false };
         if !tell {
             track.showing = start.elapsed();
         }
@@ -363,7 +378,7 @@ impl<'a> Worker<'a> {
         })?;
         let image = Arc::new(image);
         self.state.reference = Some(Arc::clone(&image));
-        self.state.out.send(Event::Reference(image));
+        self.state.out.send(Event::Reference { path: path.to_path_buf(), image });
         // A paused picture is measured too.
         for slot in 0..self.tracks.len() {
             if self.tracks[slot].shown.is_some() && self.tracks[slot].session.is_whole() {

@@ -4,6 +4,7 @@
 //! a false alarm with probability below 1.2e-3: there are fewer than 40 comparisons, each at [`comparison::LEVEL`]. That
 //! is for normal replicates; `calibration` says what skewed ones make of it.
 
+mod acceptance;
 mod calibration;
 mod comparison;
 mod coverage;

@@ -28,6 +28,14 @@ fn small(method: Method) -> Settings {
     settings(method, [33, 25], 100)
 }
 
+/// With the layers of all maps.
+fn check_maps(method: Method, kernels: &[&str]) {
+    let acceptance = kernels.iter().map(|kernel| format!("Acceptance.{kernel}"));
+    let layers: Vec<String> =
+        ["Maps.Horizontal", "Maps.Vertical"].map(String::from).into_iter().chain(acceptance).collect();
+    check(&Settings { maps: true, ..small(method) }, &layers.iter().map(String::as_str).collect::<Vec<_>>());
+}
+
 #[test]
 fn pt_repeats() {
     check(&small(Method::Pt), &["Variance.R", "Variance.G", "Variance.B"]);
@@ -35,12 +43,15 @@ fn pt_repeats() {
 
 #[test]
 fn mlt_repeats() {
-    check(&Settings { maps: true, ..small(Method::Mlt) }, &["Maps.Horizontal", "Maps.Vertical"]);
+    check_maps(Method::Mlt, &["independence", "bidirectional", "lens", "multi-chain", "caustic"]);
 }
 
 #[test]
 fn emlt_repeats() {
-    check(&Settings { maps: true, ..small(Method::Emlt) }, &["Maps.Horizontal", "Maps.Vertical"]);
+    check_maps(
+        Method::Emlt,
+        &["independence", "guided-bidirectional", "lens", "multi-chain", "caustic", "guided-lens"],
+    );
 }
 
 // Apart, and with the shaders that tests/images/options.rs has compiled anyway.

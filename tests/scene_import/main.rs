@@ -203,6 +203,11 @@ fn buffers_from_data_uris_and_percent_encoded_files() {
         let scene = write(uri.clone()).unwrap();
         assert_eq!(corners(&scene, 0), TRIANGLE.map(Vec3::from_array), "{uri}");
         assert_eq!(scene.name, "scene");
+        let beside = (uri == "a%20b.bin").then(|| folder.path().join("a b.bin"));
+        assert_eq!(
+            scene.files,
+            [Some(folder.path().join("scene.gltf")), beside].into_iter().flatten().collect::<Vec<_>>()
+        );
     }
     for uri in ["missing.bin", "https://example.com/a.bin", "data:;base64,!!", "data:none", "%ff.bin", "."] {
         let error = write(uri.into()).unwrap_err().to_string();

@@ -1,6 +1,6 @@
 //! The file itself: the .glb container, the JSON, and the buffers it points to, loaded when first asked for.
 
-use std::cell::{Cell, OnceCell};
+use std::cell::{Cell, OnceCell, RefCell};
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -34,6 +34,8 @@ pub struct File {
     pub(super) draco_meshes: Vec<OnceCell<Mesh>>,
     /// Bytes that decompression may still take, all of it together.
     pub(super) room: Cell<u64>,
+    /// The files that were read, this one first; each time one was.
+    pub(super) read: RefCell<Vec<PathBuf>>,
 }
 
 impl File {
@@ -54,6 +56,7 @@ impl File {
             unpacked: root.buffer_views.iter().map(|_| OnceCell::new()).collect(),
             draco_meshes: root.buffer_views.iter().map(|_| OnceCell::new()).collect(),
             room: Cell::new(MAX_UNPACKED),
+            read: RefCell::new(vec![path.to_path_buf()]),
             root,
             json,
         })
@@ -103,7 +106,9 @@ impl File {
         }
         let name = String::from_utf8(percent_decoded(uri)).map_err(|_| format!("its uri '{uri}' is not UTF-8"))?;
         let path = self.folder.join(name);
-        read_at_most(&path, length).map_err(|why| format!("{} {why}", path.display()))
+        let bytes = read_at_most(&path, length).map_err(|why| format!("{} {why}", path.display()))?;
+        self.read.borrow_mut().push(path);
+        Ok(bytes)
     }
 }
 
