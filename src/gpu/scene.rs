@@ -78,7 +78,6 @@ impl SceneData {
             light_count: emitters.len() as u32,
             light_weight: weights.iter().sum::<f64>() as f32,
             lights_offset: lights_offset as u32,
-            triangle_count: corners.len() as u32,
             ..Default::default()
         };
         let corners = surface::corners(scene, features, &accel.order);
@@ -107,6 +106,8 @@ impl SceneData {
             film_height: height as f32,
             camera_back: Vec3::from(world_from_camera.z_axis).normalize().into(),
             pixels_per_unit,
+            lens_radius: camera.lens.map_or(0.0, |lens| 0.5 * lens.aperture / radius),
+            focus_distance: camera.lens.map_or(1.0, |lens| lens.focus / radius),
             ..self.uniform
         };
     }

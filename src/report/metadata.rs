@@ -19,6 +19,10 @@ pub fn attributes(scene: &Scene, settings: &Settings, statistics: &Statistics) -
         // EXR reserves plain `version`.
         ("emltVersion", env!("CARGO_PKG_VERSION").into()),
     ];
+    if let Some(lens) = settings.lens {
+        list.push(("aperture", f64::from(lens.aperture).into()));
+        list.push(("focus", f64::from(lens.focus).into()));
+    }
     if statistics.direct_samples > 0 {
         list.push(("directSamples", (statistics.direct_samples as f64).into()));
     }

@@ -21,6 +21,8 @@ pub struct Features {
     pub narrow: bool,
     /// The camera is orthographic; not known from the scene, which may have several.
     pub orthographic: bool,
+    /// The camera has a lens of some width; likewise.
+    pub aperture: bool,
     /// Light comes from infinitely far: from a sky, an environment or a direction.
     pub sky: bool,
     /// Other light than that of emissive triangles alone, or of a uniform sky alone.
@@ -113,7 +115,7 @@ impl Features {
 
     /// The same for what `camera` sees.
     pub fn seen_by(self, camera: &Camera) -> Self {
-        Self { orthographic: camera.orthographic_height.is_some(), ..self }
+        Self { orthographic: camera.orthographic_height.is_some(), aperture: camera.lens.is_some(), ..self }
     }
 
     /// Whether materials have more than factors: rows of textures and coverage.
@@ -132,7 +134,7 @@ impl Features {
     }
 
     /// Every flag with its name, as the shaders call it.
-    pub fn flags(&self) -> [(&'static str, bool); 24] {
+    pub fn flags(&self) -> [(&'static str, bool); 25] {
         [
             ("glossy", self.glossy),
             ("mirror", self.mirror),
@@ -140,6 +142,7 @@ impl Features {
             ("rough_glass", self.rough_glass),
             ("narrow", self.narrow),
             ("orthographic", self.orthographic),
+            ("aperture", self.aperture),
             ("sky", self.sky),
             ("mixed", self.mixed),
             ("environment", self.environment),
