@@ -37,8 +37,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         super::say("warning", warning);
     }
     if let Some(lens) = arguments.lens.lens(None)? {
-        for camera in scene.cameras.iter_mut().filter(|camera| camera.orthographic_height.is_none()) {
-            camera.lens = Some(lens);
+        if let Some(camera) = scene.cameras.first_mut() {
+            *camera = camera.through(Some(lens))?;
         }
     }
     super::print(&summary(&scene))

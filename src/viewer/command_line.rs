@@ -135,7 +135,8 @@ mod tests {
     #[test]
     fn whatever_was_changed_is_there() {
         let scene = opened(&["Main", "Bob's"]);
-        let mut orbit = Orbit::new(scene.cameras[1].through(Some(Lens { aperture: 0.05, focus: 2.5 })).unwrap(), scene.sphere);
+        let mut orbit =
+            Orbit::new(scene.cameras[1].through(Some(Lens { aperture: 0.05, focus: 2.5 })).unwrap(), scene.sphere);
         orbit.place(Vec3::new(0.1, -2.0, 3.5), Vec3::ZERO);
         let settings = Settings {
             method: Method::Mlt,
