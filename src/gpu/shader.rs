@@ -309,6 +309,8 @@ mod tests {
             Features { orthographic: true, ..Features::default() },
             Features { orthographic: true, mixed: true, ..Features::default() },
             Features { aperture: true, ..Features::default() },
+            Features { split: true, ..Features::default() },
+            Features { split: true, textured: true, emission_mapped: true, ..Features::default() },
             Features { aperture: true, mixed: true, ..Features::default() },
             Features {
                 textured: true,
