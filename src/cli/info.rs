@@ -36,10 +36,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for warning in &scene.warnings {
         super::say("warning", warning);
     }
-    if let Some(lens) = arguments.lens.lens(None)? {
-        if let Some(camera) = scene.cameras.first_mut() {
-            *camera = camera.through(Some(lens))?;
-        }
+    let lens = arguments.lens.lens(None)?;
+    if let Some(camera) = scene.cameras.first_mut() {
+        *camera = camera.through(lens)?;
     }
     super::print(&summary(&scene))
 }

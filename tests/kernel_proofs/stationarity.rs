@@ -42,7 +42,7 @@ const LENS_PARTS: usize = 8;
 
 /// Which part of a lens the first paths' points lie in; all in one where there is no lens.
 fn lens_parts(bench: &mut Bench, count: u32) -> Vec<[usize; 2]> {
-    let part = |bits: u32| (bits & 0xffff) as usize * LENS_PARTS >> 16;
+    let part = |bits: u32| ((bits & 0xffff) as usize * LENS_PARTS) >> 16;
     bench.rows(ROW_PIXEL, 0, count).iter().map(|row| [part(row[3]), part(row[3] >> 16)]).collect()
 }
 
