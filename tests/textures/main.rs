@@ -31,7 +31,8 @@ fn probe(scene: &Scene, points: &[[u32; 4]]) -> Vec<[[f32; 4]; 4]> {
 
 fn probe_split(scene: &Scene, points: &[[u32; 4]], split: bool) -> Vec<[[f32; 4]; 4]> {
     let context = Context::open(None).unwrap_or_else(|e| panic!("{e}"));
-    let data = SceneData { split, ..SceneData::new(scene, &scene.cameras[0], 4, 4).unwrap() };
+    let mut data = SceneData::new(scene, &scene.cameras[0], 4, 4).unwrap();
+    data.split = split;
     let n = points.len() as u64;
     let mut run =
         Run::new(&context, &data, Sizes { chains: 16 * n, lists: 16, output: 64 * n, counters: 256 }).unwrap();
