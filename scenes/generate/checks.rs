@@ -130,6 +130,59 @@ pub fn layered_box() -> Document {
     scene
 }
 
+/// The same room with textures of every filter and wrap on what an independent renderer maps exactly: Lambertian walls,
+/// metal of uneven colour and roughness, and a lamp with dark spots (its coordinates once over the unit square, which is
+/// what that renderer samples).
+pub fn textured_box() -> Document {
+    let (repeat, clamp, mirror) = (10497, 33071, 33648);
+    let noise =
+        |n: usize| ((n as u32 + 1).wrapping_mul(0x9e37_79b9).rotate_left(11).wrapping_mul(0x85eb_ca6b) >> 24) as u8;
+    let mut scene = Document::default();
+    let spots: Vec<[u8; 3]> =
+        (0..64).map(|i| [noise(i), noise(i + 64), noise(i + 128)].map(|b| 110 + b / 9 * 5)).collect();
+    let rings: Vec<[u8; 3]> = (0..32).map(|i| [150 + noise(i + 300) / 3, 170, 250 - noise(i + 400) / 3]).collect();
+    // Green is roughness, blue metallic: alpha from 0.16 to 0.72.
+    let rough: Vec<[u8; 3]> = (0..24).map(|i| [0, 102 + noise(i + 500) / 9 * 4, 255]).collect();
+    let tint: Vec<[u8; 3]> =
+        (0..12).map(|i| [255 - noise(i + 600) / 8, 180 + noise(i + 700) / 4, 90 + noise(i + 800) / 2]).collect();
+    let glow: Vec<[u8; 3]> =
+        (0..8).map(|i| if (i + i / 4) % 2 == 0 { [255, 225, 170] } else { [190, 90, 110] }).collect();
+    let spots = scene.texture(8, &spots, true, repeat);
+    let rings = scene.texture(4, &rings, false, mirror);
+    let rough = scene.texture(6, &rough, true, mirror);
+    let tint = scene.texture(4, &tint, true, clamp);
+    let glow = scene.texture(4, &glow, false, repeat);
+    let painted = |name, texture| Material::lambert(name, [0.9, 0.85, 0.8]).painted("baseColorTexture", texture);
+    let floor = scene.material(painted("floor", spots));
+    let wall = scene.material(painted("wall", rings));
+    let blue = scene.material(Material::lambert("blue", [0.1, 0.25, 0.65]));
+    let metal = Material::metal("metal", [0.95, 0.9, 0.9], 1.0)
+        .painted("baseColorTexture", tint)
+        .painted("metallicRoughnessTexture", rough);
+    let metal = scene.material(metal);
+    let lamp = scene.material(Material::lamp("lamp", [1.0, 0.9, 0.8], 7.0).painted("emissiveTexture", glow));
+
+    let (x, y, z) = (Vec3::X * 2.0, Vec3::Y * 2.0, Vec3::Z * 3.0);
+    let corner = Vec3::new(-1.0, 0.0, -1.0);
+    let flat = |p: Vec3, _: Vec3| [0.7 * p.x + 0.4 * p.z, 0.3 * p.x - 0.8 * p.z];
+    let upright = |p: Vec3, _: Vec3| [0.9 * p.x + 0.6 * p.z - 0.2, 0.5 - 1.1 * p.y];
+    let shell = Mesh::joined(&[quad(corner, z, x), quad(corner + y, x, z)]);
+    scene.painted_object("floor and ceiling", &shell, floor, flat);
+    let walls = Mesh::joined(&[quad(corner, y, z), quad(corner, x, y), quad(corner + z, y, x)]);
+    scene.painted_object("walls", &walls, wall, upright);
+    scene.object("right wall", &quad(corner + x, z, y), blue);
+    scene.painted_object("lamp", &quad(Vec3::new(-0.5, 1.99, -0.5), Vec3::X, Vec3::Z), lamp, |p, _| {
+        [p.x + 0.5, p.z + 0.5]
+    });
+    let half = Vec3::new(0.28, 0.4, 0.28);
+    let block = cuboid(-half, half);
+    let around = |p: Vec3, n: Vec3| [2.0 * p.x + p.z + 0.3 * n.y, 1.5 * p.y - 0.8 * p.z + 0.2];
+    scene.painted_object("block", &block.clone().turned(25.0).at(-0.4, 0.401, -0.35).closed(), metal, around);
+    scene.painted_object("box", &block.scaled(0.7).turned(-30.0).at(0.45, 0.281, 0.2).closed(), metal, around);
+    scene.camera("main", Vec3::new(0.0, 1.0, 1.95), Vec3::new(0.0, 0.85, 0.0), 55.0);
+    scene
+}
+
 /// A closed room under a large lamp: floor and ceiling, left wall, right wall, ends, lamp.
 fn room(scene: &mut Document, [white, orange, blue, green, lamp]: [usize; 5]) {
     let (x, y, z) = (Vec3::X * 2.0, Vec3::Y * 2.0, Vec3::Z * 3.0);

@@ -14,6 +14,8 @@ pub struct Material {
     roughness: f32,
     emission: Option<([f32; 3], f32)>,
     extensions: Value,
+    /// Slot, as the file calls it, and number of the texture.
+    textures: Vec<(&'static str, usize)>,
 }
 
 impl Material {
@@ -21,19 +23,19 @@ impl Material {
     pub fn lambert(name: &str, albedo: [f32; 3]) -> Self {
         let extensions = json!({"KHR_materials_specular": {"specularFactor": 0.0}});
         let (name, base_color) = (name.to_string(), albedo);
-        Self { name, base_color, metallic: 0.0, roughness: 1.0, emission: None, extensions }
+        Self { name, base_color, metallic: 0.0, roughness: 1.0, emission: None, extensions, textures: vec![] }
     }
 
     /// The default dielectric: diffuse below a GGX surface of ior 1.5 with alpha = roughness^2.
     pub fn glossy(name: &str, albedo: [f32; 3], roughness: f32) -> Self {
         let (name, base_color, extensions) = (name.to_string(), albedo, json!({}));
-        Self { name, base_color, metallic: 0.0, roughness, emission: None, extensions }
+        Self { name, base_color, metallic: 0.0, roughness, emission: None, extensions, textures: vec![] }
     }
 
     /// A GGX conductor with alpha = roughness^2 and `tint` as its reflectance at normal incidence.
     pub fn metal(name: &str, tint: [f32; 3], roughness: f32) -> Self {
         let (name, base_color, extensions) = (name.to_string(), tint, json!({}));
-        Self { name, base_color, metallic: 1.0, roughness, emission: None, extensions }
+        Self { name, base_color, metallic: 1.0, roughness, emission: None, extensions, textures: vec![] }
     }
 
     /// Smooth glass for closed meshes; `tint` multiplies once per interface that light crosses.
@@ -45,7 +47,7 @@ impl Material {
             "KHR_materials_volume": {"thicknessFactor": 1.0},
         });
         let (name, base_color) = (name.to_string(), tint);
-        Self { name, base_color, metallic: 0.0, roughness: 0.0, emission: None, extensions }
+        Self { name, base_color, metallic: 0.0, roughness: 0.0, emission: None, extensions, textures: vec![] }
     }
 
     /// The same with a GGX surface of alpha = roughness^2 on both its reflection and its transmission.
@@ -61,6 +63,12 @@ impl Material {
     pub fn emitting(mut self, color: [f32; 3], strength: f32) -> Self {
         self.emission = Some((color, strength));
         self.extensions["KHR_materials_emissive_strength"] = json!({"emissiveStrength": decimal(strength)});
+        self
+    }
+
+    /// The same with a texture in a slot such as "baseColorTexture".
+    pub fn painted(mut self, slot: &'static str, texture: usize) -> Self {
+        self.textures.push((slot, texture));
         self
     }
 
@@ -83,6 +91,10 @@ impl Material {
         if let Some((color, _)) = self.emission {
             material["emissiveFactor"] = json!(color.map(decimal));
         }
+        for (slot, texture) in &self.textures {
+            let owner = if *slot == "emissiveTexture" { &mut material } else { &mut material["pbrMetallicRoughness"] };
+            owner[*slot] = json!({"index": texture});
+        }
         if self.extensions.as_object().is_some_and(|e| !e.is_empty()) {
             material["extensions"] = self.extensions.clone();
         }
@@ -104,6 +116,8 @@ pub struct Document {
     cameras: Vec<Value>,
     accessors: Vec<Value>,
     views: Vec<Value>,
+    images: Vec<Value>,
+    samplers: Vec<Value>,
     bytes: Vec<u8>,
     triangles: usize,
 }
@@ -114,7 +128,39 @@ impl Document {
         self.materials.len() - 1
     }
 
+    /// A texture `width` texels wide, rows from the top, bytes as the file has them; `wrap` by the file's numbers.
+    pub fn texture(&mut self, width: u32, texels: &[[u8; 3]], linear: bool, wrap: u32) -> usize {
+        let mut file = Vec::new();
+        let mut encoder = png::Encoder::new(&mut file, width, texels.len() as u32 / width);
+        encoder.set_color(png::ColorType::Rgb);
+        let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(texels.as_flattened()));
+        written.expect("whole rows are written to memory");
+        self.views.push(json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": file.len()}));
+        self.bytes.extend(file);
+        pad(&mut self.bytes, 0);
+        self.images.push(json!({"bufferView": self.views.len() - 1, "mimeType": "image/png"}));
+        let filter = if linear { 9729 } else { 9728 };
+        self.samplers.push(json!({"magFilter": filter, "minFilter": filter, "wrapS": wrap, "wrapT": wrap}));
+        self.images.len() - 1
+    }
+
     pub fn object(&mut self, name: &str, mesh: &Mesh, material: usize) {
+        self.add(name, mesh, material, None);
+    }
+
+    /// The same with texture coordinates, by position and normal.
+    pub fn painted_object(
+        &mut self,
+        name: &str,
+        mesh: &Mesh,
+        material: usize,
+        coordinates: impl Fn(Vec3, Vec3) -> [f32; 2],
+    ) {
+        let all = mesh.positions.iter().zip(&mesh.normals).map(|(p, n)| coordinates(*p, *n)).collect();
+        self.add(name, mesh, material, Some(all));
+    }
+
+    fn add(&mut self, name: &str, mesh: &Mesh, material: usize, coordinates: Option<Vec<[f32; 2]>>) {
         self.triangles += mesh.triangles.len();
         let flat = |v: &[Vec3]| -> Vec<u8> { v.iter().flat_map(|p| p.to_array()).flat_map(f32::to_le_bytes).collect() };
         let low = mesh.positions.iter().copied().reduce(Vec3::min).expect("a mesh has vertices");
@@ -132,8 +178,13 @@ impl Document {
             indices.iter().flat_map(|&i| i.to_le_bytes()).collect()
         };
         let indices = self.accessor(&bytes, if short { 5123 } else { 5125 }, indices.len(), "SCALAR");
+        let mut attributes = json!({"POSITION": positions, "NORMAL": normals});
+        if let Some(coordinates) = coordinates {
+            let bytes: Vec<u8> = coordinates.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+            attributes["TEXCOORD_0"] = json!(self.accessor(&bytes, 5126, coordinates.len(), "VEC2"));
+        }
         self.meshes.push(json!({"name": name, "primitives": [{
-            "attributes": {"POSITION": positions, "NORMAL": normals},
+            "attributes": attributes,
             "indices": indices,
             "material": material,
         }]}));
@@ -190,6 +241,12 @@ impl Document {
         });
         if !used.is_empty() {
             root["extensionsUsed"] = json!(used);
+        }
+        if !self.images.is_empty() {
+            let textures: Vec<Value> = (0..self.images.len()).map(|i| json!({"source": i, "sampler": i})).collect();
+            root["textures"] = json!(textures);
+            root["images"] = json!(self.images);
+            root["samplers"] = json!(self.samplers);
         }
         if !self.cameras.is_empty() {
             root["cameras"] = json!(self.cameras);

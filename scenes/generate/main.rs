@@ -44,6 +44,7 @@ fn main() -> std::io::Result<()> {
         ("tests/scenes/lamp_in_glass.glb", checks::lamp_in_glass()),
         ("tests/scenes/glossy_box.glb", checks::glossy_box()),
         ("tests/scenes/layered_box.glb", checks::layered_box()),
+        ("tests/scenes/textured_box.glb", checks::textured_box()),
         ("tests/scenes/furnace.glb", checks::furnace()),
         ("tests/scenes/sphere_over_plane.glb", checks::sphere_over_plane()),
     ];

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::options::LensOptions;
 use crate::Result;
 use crate::gpu::shader::{Variant, compose};
 use crate::kernels::{self, Kernel};
@@ -21,6 +22,9 @@ pub struct Arguments {
     /// Light from all around, as for 'emlt render'
     #[arg(long, value_name = "FILE")]
     env: Option<PathBuf>,
+
+    #[command(flatten)]
+    lens: LensOptions,
 }
 
 /// Prints the summary on standard output and the import's warnings on standard error.
@@ -31,6 +35,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     for warning in &scene.warnings {
         super::say("warning", warning);
+    }
+    let lens = arguments.lens.lens(None)?;
+    if let Some(camera) = scene.cameras.first_mut() {
+        *camera = camera.through(lens)?;
     }
     super::print(&summary(&scene))
 }
@@ -59,7 +67,10 @@ fn summary(scene: &Scene) -> String {
             match camera.orthographic_height {
                 None => {
                     let fov = camera.vertical_fov.to_degrees();
-                    format!("'{}': vertical field of view {fov:.1} degrees{aspect}{default}", camera.name)
+                    let lens = camera.lens.map_or(String::new(), |lens| {
+                        format!(", a lens of diameter {} sharp at distance {}", lens.aperture, lens.focus)
+                    });
+                    format!("'{}': vertical field of view {fov:.1} degrees{lens}{aspect}{default}", camera.name)
                 }
                 Some(height) => format!("'{}': orthographic, height {height}{aspect}{default}", camera.name),
             },
@@ -68,15 +79,16 @@ fn summary(scene: &Scene) -> String {
     row("lights", lights(scene));
     let (centre, radius) = scene.bounding_sphere();
     row("bounds", format!("centre {:.4} {:.4} {:.4}, radius {radius:.4}", centre.x, centre.y, centre.z));
-    let features: Vec<&str> = Features::of(scene).flags().iter().filter(|(_, on)| *on).map(|(name, _)| *name).collect();
-    row("features", if features.is_empty() { "diffuse only".into() } else { features.join(", ") });
+    // As the default camera sees it.
+    let features = scene.cameras.first().map_or(Features::of(scene), |camera| Features::of(scene).seen_by(camera));
+    let names: Vec<&str> = features.flags().iter().filter(|(_, on)| *on).map(|(name, _)| *name).collect();
+    row("features", if names.is_empty() { "diffuse only".into() } else { names.join(", ") });
     for kernel in kernels::ALL {
         let runs = [Method::Mlt, Method::Emlt]
             .into_iter()
             .filter(|m| default_mix(*m).iter().any(|(k, weight)| k.name == kernel.name && *weight > 0.0))
             .map(Method::name);
         let runs: Vec<&str> = runs.collect();
-        let features = Features::of(scene);
         let state = match (kernel.useless)(features) {
             Some(why) => format!("not used: {why}"),
             None if runs.is_empty() => "by --kernels alone".into(),
@@ -146,6 +158,7 @@ mod tests {
             world_from_camera: glam::Affine3A::IDENTITY,
             vertical_fov: std::f32::consts::FRAC_PI_4,
             orthographic_height: None,
+            lens: None,
             aspect: Some(1.5),
         };
         let scene = Scene {

@@ -11,7 +11,7 @@ use crate::ensemble::mix::Mix;
 use crate::methods::{Direct, MAX_SIDE, Method, Settings, default_size};
 use crate::scene::environment;
 use crate::scene::import::import;
-use crate::scene::{Camera, Scene};
+use crate::scene::{Camera, Lens, Scene};
 use crate::{Error, Result};
 
 // No doc comment: it would become the command's description.
@@ -52,6 +52,9 @@ pub struct Options {
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, requires = "look_from", allow_hyphen_values = true)]
     pub look_at: Option<Vec3>,
 
+    #[command(flatten)]
+    pub lens: LensOptions,
+
     /// Paths in the ensemble, an even number (mlt, emlt)
     #[arg(long, value_name = "N", default_value_t = 16384, value_parser = parse_ensemble)]
     pub ensemble: u32,
@@ -88,6 +91,30 @@ pub struct Options {
     /// Device by a part of its name [default: the fastest kind there is]
     #[arg(long, value_name = "NAME")]
     pub device: Option<String>,
+}
+
+/// A thin lens in place of the camera's pinhole.
+#[derive(Debug, Args)]
+pub struct LensOptions {
+    /// Diameter of a thin lens in place of the camera's pinhole, in the scene's units (glTF: metres). A photographer's
+    /// f-number N at focal length F is F/N: 0.0179 for 50 mm at f/2.8
+    #[arg(long, value_name = "DIAMETER", value_parser = parse_length)]
+    pub aperture: Option<f32>,
+
+    /// Distance of the plane that is sharp, along the viewing axis, in the scene's units [default: that of --look-at]
+    #[arg(long, value_name = "DISTANCE", value_parser = parse_length, requires = "aperture")]
+    pub focus: Option<f32>,
+}
+
+impl LensOptions {
+    /// The lens that is asked for; `distance` is that of what is looked at, if that is known.
+    pub fn lens(&self, distance: Option<f32>) -> Result<Option<Lens>> {
+        let Some(aperture) = self.aperture else { return Ok(None) };
+        let focus = self.focus.or(distance).ok_or_else(|| {
+            Error::input("--aperture needs --focus DISTANCE: say how far away the plane lies that is to be sharp")
+        })?;
+        Ok(Some(Lens { aperture, focus }))
+    }
 }
 
 /// What the similarity of paths compares.
@@ -127,15 +154,27 @@ impl Options {
         Ok(())
     }
 
+    /// Where to stand and what to look at, if that is asked for.
+    pub fn look(&self) -> Option<(Vec3, Vec3)> {
+        self.look_from.zip(self.look_at)
+    }
+
+    fn through(&self) -> Result<Option<Lens>> {
+        self.lens.lens(self.look().map(|(eye, target)| eye.distance(target)))
+    }
+
     /// The camera that is asked for.
     pub fn view(&self, scene: &Scene) -> Result<Camera> {
         let camera = scene.camera(self.camera.as_deref())?;
-        let (Some(eye), Some(target)) = (self.look_from, self.look_at) else { return Ok(camera.clone()) };
-        camera.looking(eye, target).ok_or_else(|| {
-            Error::input(
-                "--look-from and --look-at must lie apart, and not straight above each other: move one of them",
-            )
-        })
+        let camera = match self.look() {
+            None => camera.clone(),
+            Some((eye, target)) => camera.looking(eye, target).ok_or_else(|| {
+                Error::input(
+                    "--look-from and --look-at must lie apart, and not straight above each other: move one of them",
+                )
+            })?,
+        };
+        camera.through(self.through()?)
     }
 
     /// The settings without a budget, for a film that fits `camera`.
@@ -148,6 +187,7 @@ impl Options {
             seed: self.seed,
             max_depth: self.max_depth,
             camera: self.camera.clone(),
+            lens: self.through()?,
             ensemble: self.ensemble,
             groups: self.groups,
             kernels: self.kernels.as_deref().map(Mix::parse).transpose()?,
@@ -175,6 +215,11 @@ fn parse_point(text: &str) -> std::result::Result<Vec3, String> {
     let numbers: Vec<f32> = text.split(',').filter_map(|n| n.trim().parse().ok()).collect();
     let point = <[f32; 3]>::try_from(numbers).ok().map(Vec3::from).filter(|p| p.is_finite());
     point.filter(|_| text.split(',').count() == 3).ok_or_else(|| "give three numbers, as in 1,0.5,-2".into())
+}
+
+fn parse_length(text: &str) -> std::result::Result<f32, String> {
+    let length = text.parse().ok().filter(|l: &f32| l.is_finite() && *l > 0.0);
+    length.ok_or_else(|| "give a length above 0, such as 0.05".into())
 }
 
 fn parse_alpha(text: &str) -> std::result::Result<f32, String> {
@@ -209,7 +254,7 @@ mod tests {
 
     fn camera(aspect: Option<f32>) -> Camera {
         let world_from_camera = glam::Affine3A::IDENTITY;
-        Camera { name: "c".into(), world_from_camera, vertical_fov: 1.0, orthographic_height: None, aspect }
+        Camera { name: "c".into(), world_from_camera, vertical_fov: 1.0, orthographic_height: None, lens: None, aspect }
     }
 
     #[test]
@@ -242,6 +287,26 @@ mod tests {
         assert_eq!(view("a.glb --look-from 1,2,3 --look-at 1,9,3").unwrap_err().exit_status(), 2);
         for text in ["", "1,2", "1,2,3,4", "1,2,x", "1,nan,2", "1,,2,3"] {
             assert!(parse_point(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_lens_is_focused_where_asked() {
+        let flat = Camera { name: "flat".into(), orthographic_height: Some(1.0), ..camera(None) };
+        let scene = Scene { cameras: vec![camera(None), flat], ..Scene::default() };
+        let view = |words: &str| options(words).view(&scene);
+        let lens = |aperture, focus| Some(Lens { aperture, focus });
+        assert_eq!(view("a.glb").unwrap().lens, None);
+        assert_eq!(view("a.glb --aperture 0.02 --focus 3").unwrap().lens, lens(0.02, 3.0));
+        let placed = "a.glb --aperture 0.02 --look-from 0,3,4 --look-at 0,0,0";
+        assert_eq!(view(placed).unwrap().lens, lens(0.02, 5.0));
+        assert_eq!(view(&format!("{placed} --focus 2")).unwrap().lens, lens(0.02, 2.0));
+        assert_eq!(options(placed).settings(&camera(None)).unwrap().lens, lens(0.02, 5.0));
+        assert_eq!(view("a.glb --aperture 0.02").unwrap_err().exit_status(), 2);
+        assert_eq!(view("a.glb --aperture 0.02 --focus 3 --camera flat").unwrap_err().exit_status(), 2);
+        assert!(Wrapper::try_parse_from(["render", "a.glb", "--focus", "3"]).is_err());
+        for text in ["0", "-1", "nan", "inf", "", "f/2.8"] {
+            assert!(parse_length(text).is_err(), "{text}");
         }
     }
 

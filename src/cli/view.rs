@@ -44,7 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         scene: options.scene.clone(),
         env: options.env.clone(),
         shaders: shaders.clone(),
-        look: options.look_from.zip(options.look_at),
+        look: options.look(),
         size: options.size,
         reference: reference.clone(),
         settings,

@@ -18,8 +18,8 @@ pub struct SceneUniform {
     pub light_count: u32,
     pub light_weight: f32,
     pub lights_offset: u32,
-    pub triangle_count: u32,
-    pub padding: u32,
+    pub lens_radius: f32,
+    pub focus_distance: f32,
 }
 
 /// Twin of `PassUniform` in shaders/layout/run.wesl.
@@ -163,8 +163,8 @@ mod tests {
             light_count,
             light_weight,
             lights_offset,
-            triangle_count,
-            padding,
+            lens_radius,
+            focus_distance,
         );
         same_layout!(
             &lens,

@@ -25,6 +25,8 @@ pub struct SceneData {
     /// What the triangles' corners have besides, and the images; empty where no material needs them.
     pub corners: Vec<u32>,
     pub texels: Vec<u32>,
+    /// Whether the rows of `triangles` go into buffers of their own ([`Features::split`]).
+    pub split: bool,
     /// Centre and radius of what becomes the unit sphere.
     sphere: (Vec3, f32),
 }
@@ -78,13 +80,13 @@ impl SceneData {
             light_count: emitters.len() as u32,
             light_weight: weights.iter().sum::<f64>() as f32,
             lights_offset: lights_offset as u32,
-            triangle_count: corners.len() as u32,
             ..Default::default()
         };
         let corners = surface::corners(scene, features, &accel.order);
         let texels = if features.textured { surface::texels(scene) } else { Vec::new() };
         let (nodes, sphere) = (accel.nodes, (centre, radius));
-        let mut data = Self { uniform, nodes, triangles, shading, tables, corners, texels, sphere };
+        let mut data =
+            Self { uniform, nodes, triangles, shading, tables, corners, texels, split: features.split, sphere };
         data.aim(camera, width, height);
         Ok(data)
     }
@@ -107,6 +109,8 @@ impl SceneData {
             film_height: height as f32,
             camera_back: Vec3::from(world_from_camera.z_axis).normalize().into(),
             pixels_per_unit,
+            lens_radius: camera.lens.map_or(0.0, |lens| 0.5 * lens.aperture / radius),
+            focus_distance: camera.lens.map_or(1.0, |lens| lens.focus / radius),
             ..self.uniform
         };
     }
@@ -121,6 +125,7 @@ impl SceneData {
             tables: vec![[0; 4]],
             corners: vec![0; usize::from(features.textured)],
             texels: vec![0; usize::from(features.textured)],
+            split: features.split,
             sphere: (Vec3::ZERO, 1.0),
         }
     }
@@ -139,9 +144,12 @@ impl GpuScene {
     /// Uploads `data`; an error if a part exceeds what the device can bind.
     pub fn new(context: &Context, data: &SceneData) -> Result<Self> {
         let device = &context.device;
+        let rows = |row| data.triangles.iter().skip(row).step_by(3).copied().collect::<Vec<_>>();
+        let split = if data.split { [0, 1, 2].map(rows) } else { Default::default() };
+        let triangles = if data.split { &split[0] } else { &data.triangles };
         let mut parts: Vec<(&str, &[u8], &str)> = vec![
             ("search tree", bytemuck::cast_slice(&data.nodes), "fewer triangles"),
-            ("triangles", bytemuck::cast_slice(&data.triangles), "fewer triangles"),
+            ("triangles", bytemuck::cast_slice(triangles), "fewer triangles"),
             ("normals", bytemuck::cast_slice(&data.shading), "fewer triangles"),
             ("materials", bytemuck::cast_slice(&data.tables), "fewer materials and lights"),
         ];
@@ -149,12 +157,15 @@ impl GpuScene {
             parts.push(("texture coordinates", bytemuck::cast_slice(&data.corners), "fewer triangles"));
             parts.push(("images", bytemuck::cast_slice(&data.texels), "smaller images"));
         }
+        if data.split {
+            parts.extend(split[1..].iter().map(|rows| ("triangles", bytemuck::cast_slice(rows), "fewer triangles")));
+        }
         let limits = device.limits();
         let most = limits.max_storage_buffers_per_shader_stage as usize;
         if parts.len() + RUN_BUFFERS > most {
             let need = parts.len() + RUN_BUFFERS;
             return Err(Error::runtime(format!(
-                "this scene's textures need {need} storage buffers and this device binds at most {most}: use another device"
+                "this scene needs {need} storage buffers and this device binds at most {most}: use another device"
             )));
         }
         let limit = limits.max_storage_buffer_binding_size;

@@ -29,7 +29,7 @@ pub struct Variant {
 
 /// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
 /// instead of splats, and deliberately wrong kernels that the tests must catch.
-pub const PASS_FLAGS: [&str; 21] = [
+pub const PASS_FLAGS: [&str; 22] = [
     "guided",
     "multi_chain",
     "walk",
@@ -48,6 +48,7 @@ pub const PASS_FLAGS: [&str; 21] = [
     "twin_id",
     "twin_redraw",
     "twin_places",
+    "twin_lens",
     "twin_jacobian",
     "twin_acceptance",
     "twin_splat",
@@ -177,6 +178,7 @@ mod tests {
                     &["segment", "guided", "two_stage"],
                     &["segment", "guided", "maps", "two_stage"],
                     &["segment", "twin_places"],
+                    &["segment", "twin_lens"],
                     &["segment", "guided", "twin_places"],
                     &["segment", "probe"],
                     &["segment", "guided", "probe"],
@@ -306,6 +308,10 @@ mod tests {
             Features { sheen: true, ..Features::default() },
             Features { orthographic: true, ..Features::default() },
             Features { orthographic: true, mixed: true, ..Features::default() },
+            Features { aperture: true, ..Features::default() },
+            Features { split: true, ..Features::default() },
+            Features { split: true, textured: true, emission_mapped: true, ..Features::default() },
+            Features { aperture: true, mixed: true, ..Features::default() },
             Features {
                 textured: true,
                 vertex_colored: true,
@@ -366,6 +372,20 @@ mod tests {
                 scope.spawn(move || sets.iter().for_each(|features| check(*features)));
             }
         });
+    }
+
+    /// Without a lens its module is not there; the same rule holds for every feature.
+    #[test]
+    fn a_pinhole_has_nothing_of_a_lens() {
+        for pass in ["camera_side", "bidirectional", "path_trace"] {
+            let text = |aperture| {
+                let features = Features { aperture, ..Features::default() };
+                let flags = if pass == "bidirectional" { vec!["segment"] } else { vec![] };
+                compose(&Variant { pass, features, max_edges: 12, flags }).unwrap()
+            };
+            assert!(text(true).contains("lens_word") && !text(false).contains("lens_word"), "{pass}");
+            assert!(text(true).contains("lens_point") && !text(false).contains("lens_point"), "{pass}");
+        }
     }
 
     #[test]

@@ -15,8 +15,8 @@ use crate::film::{Channel, Image};
 use crate::kernels::Kernel;
 pub use crate::report::observer::{Observer, Silent};
 use crate::report::statistics::Statistics;
-use crate::scene::Camera;
 use crate::scene::material::GLOSSY_AS_SPECULAR_ALPHA;
+use crate::scene::{Camera, Lens};
 pub use chain_film::ACCEPTANCE;
 pub use chains::default_mix;
 pub use render::{render, render_on};
@@ -94,6 +94,8 @@ pub struct Settings {
     pub max_depth: u32,
     /// Camera by name; the first one without.
     pub camera: Option<String>,
+    /// What it sees through, in place of a pinhole.
+    pub lens: Option<Lens>,
     /// Paths in the ensemble: both halves together.
     pub ensemble: u32,
     /// Independent groups into which it is split, whose scatter tells the image's error (mlt, emlt).
@@ -129,6 +131,7 @@ impl Default for Settings {
             seed: 1,
             max_depth: 12,
             camera: None,
+            lens: None,
             ensemble: 16384,
             groups: MOST_GROUPS,
             candidates: CANDIDATES,

@@ -60,7 +60,7 @@ pub struct Prepared {
 impl Prepared {
     /// Prepares `scene` for the method, camera and film of `settings`.
     pub fn new(scene: &Scene, settings: &Settings) -> crate::Result<Self> {
-        let camera = scene.camera(settings.camera.as_deref())?;
+        let camera = &scene.camera(settings.camera.as_deref())?.through(settings.lens)?;
         let threshold = settings.specular_threshold();
         let data = SceneData::with_threshold(scene, camera, settings.width, settings.height, threshold)?;
         Ok(Self { features: Features::with_threshold(scene, threshold).seen_by(camera), data })

@@ -19,6 +19,11 @@ pub fn attributes(scene: &Scene, settings: &Settings, statistics: &Statistics) -
         // EXR reserves plain `version`.
         ("emltVersion", env!("CARGO_PKG_VERSION").into()),
     ];
+    // EXR reserves plain `aperture` and `focus`.
+    if let Some(lens) = settings.lens {
+        list.push(("lensDiameter", f64::from(lens.aperture).into()));
+        list.push(("focusDistance", f64::from(lens.focus).into()));
+    }
     if statistics.direct_samples > 0 {
         list.push(("directSamples", (statistics.direct_samples as f64).into()));
     }
@@ -62,6 +67,7 @@ mod tests {
     use super::*;
     use crate::film::{Image, exr};
     use crate::report::statistics::KernelStatistics;
+    use crate::scene::Lens;
 
     fn value<'a>(list: &'a [(String, Attribute)], name: &str) -> Option<&'a Attribute> {
         list.iter().find(|(n, _)| n == name).map(|(_, value)| value)
@@ -112,7 +118,8 @@ mod tests {
             ..Default::default()
         };
         for method in [Method::Pt, Method::Emlt] {
-            let settings = Settings { method, ..Default::default() };
+            let lens = Some(Lens { aperture: 0.25, focus: 3.0 });
+            let settings = Settings { method, lens, ..Default::default() };
             let mut list = attributes(&Scene::default(), &settings, &statistics);
             exr::write(&path, &image, &[], &list).unwrap();
             list.sort_by(|a, b| a.0.cmp(&b.0));

@@ -6,6 +6,9 @@ use super::light::LightKind;
 use super::material::{AlphaMode, GLOSSY_AS_SPECULAR_ALPHA};
 use super::{Camera, Scene};
 
+/// The most triangles whose corners and edges, 48 bytes each, lie in one buffer: 128 MiB are what every device binds.
+pub const SPLIT_TRIANGLES: usize = (128 << 20) / 48;
+
 /// One flag per optional part of the shaders; each is a condition of the same name there.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub struct Features {
@@ -21,6 +24,10 @@ pub struct Features {
     pub narrow: bool,
     /// The camera is orthographic; not known from the scene, which may have several.
     pub orthographic: bool,
+    /// The camera has a lens of some width; likewise.
+    pub aperture: bool,
+    /// There are more triangles than one buffer need hold ([`SPLIT_TRIANGLES`]).
+    pub split: bool,
     /// Light comes from infinitely far: from a sky, an environment or a direction.
     pub sky: bool,
     /// Other light than that of emissive triangles alone, or of a uniform sky alone.
@@ -64,6 +71,7 @@ impl Features {
         let directions = scene.lights.iter().any(|light| matches!(light.kind, LightKind::Directional { .. }));
         let environment = scene.environment.is_some();
         let mut features = Self {
+            split: scene.triangles.len() > SPLIT_TRIANGLES,
             sky: scene.sky.is_some() || environment || directions,
             mixed: environment || !scene.lights.is_empty(),
             environment,
@@ -113,7 +121,7 @@ impl Features {
 
     /// The same for what `camera` sees.
     pub fn seen_by(self, camera: &Camera) -> Self {
-        Self { orthographic: camera.orthographic_height.is_some(), ..self }
+        Self { orthographic: camera.orthographic_height.is_some(), aperture: camera.lens.is_some(), ..self }
     }
 
     /// Whether materials have more than factors: rows of textures and coverage.
@@ -132,7 +140,7 @@ impl Features {
     }
 
     /// Every flag with its name, as the shaders call it.
-    pub fn flags(&self) -> [(&'static str, bool); 24] {
+    pub fn flags(&self) -> [(&'static str, bool); 26] {
         [
             ("glossy", self.glossy),
             ("mirror", self.mirror),
@@ -140,6 +148,8 @@ impl Features {
             ("rough_glass", self.rough_glass),
             ("narrow", self.narrow),
             ("orthographic", self.orthographic),
+            ("aperture", self.aperture),
+            ("split", self.split),
             ("sky", self.sky),
             ("mixed", self.mixed),
             ("environment", self.environment),

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 
-pub use camera::Camera;
+pub use camera::{Camera, Lens};
 pub use features::Features;
 pub use light::{Environment, Light};
 pub use material::Material;

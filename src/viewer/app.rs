@@ -213,6 +213,8 @@ impl Viewer {
             (self.settings.width, self.settings.height) = default_size(&camera);
         }
         self.settings.camera = Some(camera.name.clone());
+        // An orthographic one sees as the file has it.
+        let camera = camera.through(self.settings.lens).unwrap_or(camera);
         let mut orbit = Orbit::new(camera, sphere);
         if let Some((eye, target)) = look {
             orbit.place(eye, target);

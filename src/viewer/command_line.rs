@@ -35,6 +35,10 @@ pub fn command_line(scene: &Opened, settings: &Settings, orbit: &Orbit, samples:
         flag("look-from", format!("{},{},{}", eye.x, eye.y, eye.z));
         flag("look-at", format!("{},{},{}", target.x, target.y, target.z));
     }
+    if let Some(lens) = orbit.lens() {
+        flag("aperture", lens.aperture.to_string());
+        flag("focus", lens.focus.to_string());
+    }
     if let Some(sky) = &scene.sky {
         flag("env", quoted(&sky.to_string_lossy()));
     }
@@ -97,7 +101,7 @@ fn quoted(word: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Camera, Features};
+    use crate::scene::{Camera, Features, Lens};
     use glam::{Affine3A, Vec3};
 
     fn opened(names: &[&str]) -> Opened {
@@ -106,6 +110,7 @@ mod tests {
             world_from_camera: Affine3A::from_translation(Vec3::Z),
             vertical_fov: 1.0,
             orthographic_height: None,
+            lens: None,
             aspect: None,
         };
         Opened {
@@ -133,7 +138,8 @@ mod tests {
     #[test]
     fn whatever_was_changed_is_there() {
         let scene = opened(&["Main", "Bob's"]);
-        let mut orbit = Orbit::new(scene.cameras[1].clone(), scene.sphere);
+        let mut orbit =
+            Orbit::new(scene.cameras[1].through(Some(Lens { aperture: 0.05, focus: 2.5 })).unwrap(), scene.sphere);
         orbit.place(Vec3::new(0.1, -2.0, 3.5), Vec3::ZERO);
         let settings = Settings {
             method: Method::Mlt,
@@ -148,7 +154,7 @@ mod tests {
         };
         assert_eq!(
             command_line(&scene, &settings, &orbit, 0, true),
-            r"emlt render 'scenes/my box.glb' --method mlt --size 640x480 --spp 1 --camera 'Bob'\''s' --look-from 0.1,-2,3.5 --look-at 0,0,0 --seed 7 --max-depth 5 --ensemble 1024 --groups 4 --direct pt --two-stage 0.5 --kernels independence=0.1,lens=1 --maps"
+            r"emlt render 'scenes/my box.glb' --method mlt --size 640x480 --spp 1 --camera 'Bob'\''s' --look-from 0.1,-2,3.5 --look-at 0,0,0 --aperture 0.05 --focus 2.5 --seed 7 --max-depth 5 --ensemble 1024 --groups 4 --direct pt --two-stage 0.5 --kernels independence=0.1,lens=1 --maps"
         );
     }
 }

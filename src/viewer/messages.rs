@@ -34,6 +34,7 @@ impl Job {
         Settings {
             method,
             camera: None,
+            lens: None,
             // A mix is for the method it was made for.
             kernels: self.settings.kernels.clone().filter(|_| method == self.settings.method),
             maps: self.settings.maps && chains,

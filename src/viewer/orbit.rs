@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::scene::Camera;
+use crate::scene::{Camera, Lens};
 
 /// Steepest view from the horizon, in radians: straight up and down there is no upright image.
 const STEEPEST: f64 = 1.55;
@@ -36,6 +36,11 @@ impl Orbit {
     /// Where it stands and what it looks at, once it has been moved; single precision, as the command line has it.
     pub fn look(&self) -> Option<(Vec3, Vec3)> {
         self.moved.then(|| (self.eye.as_vec3(), self.target.as_vec3()))
+    }
+
+    /// What it sees through.
+    pub fn lens(&self) -> Option<Lens> {
+        self.base.lens
     }
 
     /// The name of the file's camera it began at.
@@ -93,6 +98,7 @@ mod tests {
             world_from_camera,
             vertical_fov: 1.0,
             orthographic_height: None,
+            lens: None,
             aspect: None,
         };
         Orbit::new(base, (Vec3::ZERO, 1.0))

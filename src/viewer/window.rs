@@ -146,6 +146,7 @@ pub fn opened() -> Opened {
         world_from_camera: Affine3A::from_translation(Vec3::Z * z),
         vertical_fov: 0.8,
         orthographic_height: None,
+        lens: None,
         aspect: None,
     };
     Opened {

@@ -47,7 +47,8 @@ impl Loaded {
     fn prepared(&mut self, settings: &Settings, camera: &Camera) -> Result<&Prepared> {
         let key = settings.specular_threshold().to_bits();
         if !self.prepared.contains_key(&key) {
-            self.prepared.insert(key, Prepared::new(&self.scene, &Settings { camera: None, ..settings.clone() })?);
+            self.prepared
+                .insert(key, Prepared::new(&self.scene, &Settings { camera: None, lens: None, ..settings.clone() })?);
         }
         let prepared = self.prepared.get_mut(&key).expect("just made");
         prepared.aim(camera, settings.width, settings.height);

@@ -48,7 +48,8 @@ impl<'a> Device<'a> {
         };
         let world_from_camera = glam::Affine3A::IDENTITY;
         let name = "none".into();
-        let camera = Camera { name, world_from_camera, vertical_fov: 1.0, orthographic_height: None, aspect: None };
+        let camera =
+            Camera { name, world_from_camera, vertical_fov: 1.0, orthographic_height: None, lens: None, aspect: None };
         let data = SceneData::with_threshold(&scene, &camera, 4, 4, threshold).unwrap();
         let sizes = Sizes { chains: 48 * ENTRIES as u64, lists: 16, output: 32 * ENTRIES as u64, counters: 256 };
         let features = Features::with_threshold(&scene, threshold);

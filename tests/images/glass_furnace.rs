@@ -23,6 +23,7 @@ fn ball(alpha: f32) -> Scene {
             world_from_camera: Affine3A::from_translation(4.0 * Vec3::Z),
             vertical_fov: 0.4,
             orthographic_height: None,
+            lens: None,
             aspect: None,
         }],
         materials: vec![Material {

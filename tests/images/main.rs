@@ -13,6 +13,7 @@ mod furnace;
 mod glass_furnace;
 mod groups;
 mod invariance;
+mod lens;
 mod mitsuba;
 mod options;
 mod renders;

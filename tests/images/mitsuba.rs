@@ -87,6 +87,24 @@ fn coloured_box_by_emlt() {
     compare("coloured_box", COLOURED_BOX, FULL_DEPTH, Emlt, [240, 16], Power { film: 0.03, tile: 0.2 });
 }
 
+const TEXTURED_BOX: &str = "tests/scenes/textured_box.glb";
+
+/// Textures of every filter and wrap: Lambertian walls, metal of uneven colour and roughness, a lamp with dark spots.
+#[test]
+fn textured_box_by_pt() {
+    compare("textured_box", TEXTURED_BOX, FULL_DEPTH, Pt, [24, 24], Power { film: 0.01, tile: 0.04 });
+}
+
+#[test]
+fn textured_box_by_mlt() {
+    compare("textured_box", TEXTURED_BOX, FULL_DEPTH, Mlt, [120, 16], Power { film: 0.03, tile: 0.3 });
+}
+
+#[test]
+fn textured_box_by_emlt() {
+    compare("textured_box", TEXTURED_BOX, FULL_DEPTH, Emlt, [120, 16], Power { film: 0.03, tile: 0.3 });
+}
+
 #[test]
 fn shards_by_pt() {
     compare("shards_4_edges", SHARDS, 4, Pt, [80, 24], Power { film: 0.015, tile: 0.04 });

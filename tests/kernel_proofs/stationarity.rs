@@ -6,6 +6,7 @@
 
 use crate::bench::{Bench, FILM, Guides, HALF, MAX_EDGES};
 use emlt::ensemble::pool::TypeKey;
+use emlt::gpu::layout::ROW_PIXEL;
 use emlt::kernels::{Family, Kernel};
 
 /// Side of a tile in pixels.
@@ -36,13 +37,23 @@ fn band(p: [f32; 2], key: TypeKey) -> usize {
     (3 * row + tag) as usize
 }
 
-/// Largest |z| over tiles x lengths, over rings and over bands, from `rounds` times 131,072 candidates.
+/// Stretches of either coordinate of the point on a lens.
+const LENS_PARTS: usize = 8;
+
+/// Which part of a lens the first paths' points lie in; all in one where there is no lens.
+fn lens_parts(bench: &mut Bench, count: u32) -> Vec<[usize; 2]> {
+    let part = |bits: u32| ((bits & 0xffff) as usize * LENS_PARTS) >> 16;
+    bench.rows(ROW_PIXEL, 0, count).iter().map(|row| [part(row[3]), part(row[3] >> 16)]).collect()
+}
+
+/// Largest |z| over tiles x lengths, over rings, over bands and over parts of a lens, from `rounds` times 131,072 candidates.
 pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps: u32, rounds: u32) -> Verdict {
     let columns = FILM[0] / TILE;
     let tiles = (columns * (FILM[1] / TILE)) as usize;
     let rings = tiles * MAX_EDGES as usize;
     let bands = rings + RINGS.len() + 1;
-    let bins = bands + 3 * (FILM[1] / TILE) as usize;
+    let lens = bands + 3 * (FILM[1] / TILE) as usize;
+    let bins = lens + 2 * LENS_PARTS;
     let tile = |p: [f32; 2]| {
         let x = (p[0] as u32).min(FILM[0] - 1) / TILE;
         let y = (p[1] as u32).min(FILM[1] - 1) / TILE;
@@ -60,6 +71,7 @@ pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps
             bench.fill(seed, &strategies, chunk);
             let keys = bench.keys(0, count);
             let before = bench.pixels(count);
+            let lens_before = lens_parts(bench, count);
             // Pass indices of their own for every chunk: no random number is used twice.
             let first = seed * 1024 + chunk_number as u32 * 64;
             chains += if kernel.family == Family::Structural {
@@ -74,6 +86,7 @@ pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps
                 moved.len()
             };
             let after = bench.pixels(count);
+            let lens_after = lens_parts(bench, count);
             let keys_after = bench.keys(0, count);
             for (i, &candidate) in chunk.iter().enumerate() {
                 let w = candidates[candidate as usize].weight();
@@ -82,6 +95,8 @@ pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps
                     (length(keys[i]) + tile(before[i]), length(keys_after[i]) + tile(after[i])),
                     (rings + ring(before[i]), rings + ring(after[i])),
                     (bands + band(before[i], keys[i]), bands + band(after[i], keys_after[i])),
+                    (lens + lens_before[i][0], lens + lens_after[i][0]),
+                    (lens + LENS_PARTS + lens_before[i][1], lens + LENS_PARTS + lens_after[i][1]),
                 ];
                 for (from, to) in places.into_iter().filter(|(from, to)| from != to) {
                     for (bin, sign) in [(from, -1.0), (to, 1.0)] {

@@ -1,10 +1,39 @@
 //! Log ratios of the kernels that change types: there and back they cancel (METHOD.md 4.1, A1).
 
 use emlt::ensemble::cuts::CutEntry;
-use emlt::kernels::{bidirectional, guided_bidirectional};
+use emlt::kernels::{Kernel, bidirectional, guided_bidirectional};
 
 use crate::SPECULAR_SCENE;
 use crate::bench::{Bench, HALF, Record, context};
+
+/// Share of proposals whose forward and backward log ratios do not cancel to 1e-3, and how many were looked at, at least
+/// `wanted`. The way back looks up the same guide, or wrongly another.
+pub fn asymmetric_share(bench: &mut Bench, kernel: &Kernel, another_guide: bool, wanted: usize) -> (f64, usize) {
+    let (mut bad, mut all, mut pass) = (0usize, 0usize, 1);
+    while all < wanted {
+        bench.keep_origins();
+        let (uniform, list) = bench.cut_list(HALF, pass);
+        bench.passes(kernel, &["probe"], uniform, pass..pass + 1);
+        let forward = bench.lens_records(list.entries.len() as u32);
+        let back: Vec<_> = list.entries.iter().zip(&forward).filter(|(_, f)| f.possible).collect();
+        assert!(back.iter().all(|(_, f)| f.log_ratio > -1e29), "a way back that cannot be drawn");
+        let words = |(i, (entry, _)): (usize, &(&CutEntry, &Record))| {
+            let guide = if another_guide { back[(i + 1) % back.len()].0.guide } else { entry.guide };
+            CutEntry { cut: entry.cut.reversed(), guide, ..**entry }.words()
+        };
+        let words: Vec<u32> = back.iter().enumerate().flat_map(words).collect();
+        bench.run.set_lists(&words);
+        let uniform = bench.cut_uniform(back.len());
+        bench.passes(kernel, &["probe", "probe_back"], uniform, pass..pass + 1);
+        let backward = bench.lens_records(back.len() as u32);
+        for ((_, f), b) in back.iter().zip(&backward) {
+            all += 1;
+            bad += usize::from(!(b.possible && (f.log_ratio + b.log_ratio).abs() < 1e-3));
+        }
+        pass += 1;
+    }
+    (bad as f64 / all as f64, all)
+}
 
 /// METHOD.md 4.1 A1 for the bidirectional mutations: y, taken whatever its ratio, is proposed the way back by the
 /// reversed cut with the same guide.
@@ -19,30 +48,8 @@ fn bidirectional_log_ratios_are_antisymmetric() {
         // The way back looks up a guide of its own.
         (&guided_bidirectional::KERNEL, Some("another guide on the way back")),
     ] {
-        let (mut bad, mut all, mut pass) = (0usize, 0usize, 1);
-        while all < if twin.is_some() { 50_000 } else { 1_000_000 } {
-            bench.keep_origins();
-            let (uniform, list) = bench.cut_list(HALF, pass);
-            bench.passes(kernel, &["probe"], uniform, pass..pass + 1);
-            let forward = bench.lens_records(list.entries.len() as u32);
-            let back: Vec<_> = list.entries.iter().zip(&forward).filter(|(_, f)| f.possible).collect();
-            assert!(back.iter().all(|(_, f)| f.log_ratio > -1e29), "a way back that cannot be drawn");
-            let words = |(i, (entry, _)): (usize, &(&CutEntry, &Record))| {
-                let guide = if twin.is_some() { back[(i + 1) % back.len()].0.guide } else { entry.guide };
-                CutEntry { cut: entry.cut.reversed(), guide, ..**entry }.words()
-            };
-            let words: Vec<u32> = back.iter().enumerate().flat_map(words).collect();
-            bench.run.set_lists(&words);
-            let uniform = bench.cut_uniform(back.len());
-            bench.passes(kernel, &["probe", "probe_back"], uniform, pass..pass + 1);
-            let backward = bench.lens_records(back.len() as u32);
-            for ((_, f), b) in back.iter().zip(&backward) {
-                all += 1;
-                bad += usize::from(!(b.possible && (f.log_ratio + b.log_ratio).abs() < 1e-3));
-            }
-            pass += 1;
-        }
-        let share = bad as f64 / all as f64;
+        let (share, all) =
+            asymmetric_share(&mut bench, kernel, twin.is_some(), if twin.is_some() { 50_000 } else { 1_000_000 });
         println!(
             "{}{}: {share:.2e} of {all} asymmetric",
             kernel.name,

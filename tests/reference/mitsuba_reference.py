@@ -4,7 +4,7 @@
 Needs `pip install mitsuba numpy`; the LLVM variant also needs libLLVM (else scalar_rgb is used).
 
     mitsuba_reference.py SCENE.glb -o OUT.exr [--size WxH] [--spp N | --time S] [--batches B]
-                         [--max-depth K] [--camera NAME] [--seed N]
+                         [--max-depth K] [--camera NAME] [--aperture DIAMETER --focus DISTANCE] [--seed N]
     mitsuba_reference.py --check-metal | --check-rough-glass
 
 OUT.exr (32-bit float) has R, G, B: the mean over independent batches, and Variance.R, .G, .B: the
@@ -19,6 +19,9 @@ What is mapped, and to what (DESIGN.md, radiometry):
     glass of roughness > 0, alpha >= 1e-3    roughdielectric, GGX, separable Smith, exact Fresnel; reflection untinted
                                              (--check-rough-glass compares it with Walter et al. 2007)
     emission                                 area emitter on the front side
+    textures of base colour (Lambert, metal),
+    of metallicRoughness (metal; its blue is
+    to be 1) and of emission                 bitmap of the decoded texels times the factor, same filter and wrap
 Everything else is refused rather than approximated. Path length: Mitsuba's max_depth counts edges from
 the camera to the light, as emlt's --max-depth does (1 = only lights seen directly). No Russian roulette,
 no clamping, box filter one pixel wide.
@@ -115,32 +118,69 @@ def rgb(values):
     return {"type": "rgb", "value": [float(v) for v in values]}
 
 
-def bsdf_of(material):
+WRAPS = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
+
+
+def texture_of(mi, gltf, info, decode):
+    """A texture of what `decode` makes of texels in [0, 1], or an exit where Mitsuba has none like it."""
+    if info.get("texCoord", 0) != 0 or "extensions" in info:
+        sys.exit("only plain textures of the first coordinates are mapped")
+    texture = gltf.json["textures"][info["index"]]
+    sampler = gltf.json["samplers"][texture["sampler"]]
+    view = gltf.json["bufferViews"][gltf.json["images"][texture["source"]]["bufferView"]]
+    start = view.get("byteOffset", 0)
+    with tempfile.NamedTemporaryFile(suffix=".png") as file:
+        file.write(gltf.binary[start : start + view["byteLength"]])
+        file.flush()
+        texels = np.array(mi.Bitmap(file.name), np.float64)[..., :3] / 255.0
+    if sampler["wrapS"] != sampler["wrapT"]:
+        sys.exit("a texture wraps otherwise along than across, which is not mapped")
+    # Raw: decoded here, before the filter, as glTF wants it.
+    return {"type": "bitmap", "bitmap": mi.Bitmap(np.ascontiguousarray(decode(texels), np.float32)), "raw": True,
+            "filter_type": {9728: "nearest", 9729: "bilinear"}[sampler["magFilter"]],
+            "wrap_mode": WRAPS[sampler["wrapS"]]}
+
+
+def linear(srgb):
+    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+
+
+def bsdf_of(mi, gltf, material):
     """The BSDF that equals a glTF material exactly, or an exit that says why there is none."""
     name = material.get("name", "without a name")
     base = material.get("pbrMetallicRoughness", {})
     color = base.get("baseColorFactor", [1, 1, 1, 1])[:3]
     metallic, roughness = base.get("metallicFactor", 1.0), base.get("roughnessFactor", 1.0)
     extensions = material.get("extensions", {})
-    if "baseColorTexture" in base or "emissiveTexture" in material:
-        sys.exit(f"material {name}: textures are not mapped")
+    if "normalTexture" in material:
+        sys.exit(f"material {name}: textures of normals are not mapped")
+    painted = "baseColorTexture" in base or "metallicRoughnessTexture" in base
+    tint = rgb(color)
+    if "baseColorTexture" in base:
+        tint = texture_of(mi, gltf, base["baseColorTexture"], lambda t: linear(t) * color)
+    uneven = float(roughness)
+    if "metallicRoughnessTexture" in base:
+        # Mitsuba squares the roughness after the filter, as emlt does.
+        uneven = texture_of(mi, gltf, base["metallicRoughnessTexture"], lambda t: t[..., 1:2] * roughness)
     if extensions.get("KHR_materials_transmission", {}).get("transmissionFactor", 0.0) > 0.0:
+        if painted:
+            sys.exit(f"material {name}: textures of glass are not mapped")
         thick = extensions.get("KHR_materials_volume", {}).get("thicknessFactor", 0.0) > 0.0
         whole = extensions["KHR_materials_transmission"]["transmissionFactor"] == 1.0
         if not thick or not whole or 0.0 < roughness**2 < DELTA_ALPHA or metallic > 0.0:
             sys.exit(f"material {name}: only solid, fully transmitting glass, smooth or of alpha >= 1e-3, is mapped")
         return glass(color, roughness, extensions.get("KHR_materials_ior", {}).get("ior", 1.5))
     if metallic == 1.0 and roughness**2 >= DELTA_ALPHA:
-        return twosided(metal(color, roughness))
-    if metallic == 1.0 and color == [1, 1, 1]:
+        return twosided(metal(tint, uneven))
+    if metallic == 1.0 and not painted and color == [1, 1, 1]:
         return twosided({"type": "conductor", "material": "none"})
     if metallic == 0.0 and extensions.get("KHR_materials_specular", {}).get("specularFactor", 1.0) == 0.0:
-        return twosided({"type": "diffuse", "reflectance": rgb(color)})
+        return twosided({"type": "diffuse", "reflectance": tint})
     sys.exit(f"material {name}: neither Lambertian, metal nor glass, so it has no exact counterpart")
 
 
-def metal(color, roughness):
-    return {"type": "principled", "base_color": rgb(color), "metallic": 1.0, "roughness": float(roughness)}
+def metal(tint, roughness):
+    return {"type": "principled", "base_color": tint, "metallic": 1.0, "roughness": roughness}
 
 
 def glass(color, roughness, ior):
@@ -161,12 +201,13 @@ def emission_of(material):
     return np.array(material.get("emissiveFactor", [0, 0, 0]), float) * strength
 
 
-def write_ply(path, positions, normals, triangles):
+def write_ply(path, positions, normals, coordinates, triangles):
     fields = ["x", "y", "z"] + (["nx", "ny", "nz"] if normals is not None else [])
+    fields += ["u", "v"] if coordinates is not None else []
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(positions)}"]
     header += [f"property float {field}" for field in fields]
     header += [f"element face {len(triangles)}", "property list uchar int vertex_indices", "end_header", ""]
-    vertices = positions if normals is None else np.hstack([positions, normals])
+    vertices = np.hstack([part for part in (positions, normals, coordinates) if part is not None])
     faces = np.zeros(len(triangles), dtype=[("count", "u1"), ("corners", "<i4", 3)])
     faces["count"], faces["corners"] = 3, triangles
     with open(path, "wb") as file:
@@ -175,7 +216,7 @@ def write_ply(path, positions, normals, triangles):
         file.write(faces.tobytes())
 
 
-def shapes_of(gltf, folder):
+def shapes_of(mi, gltf, folder):
     """One Mitsuba shape per glTF primitive, in world space."""
     shapes = {}
     for node, world in gltf.nodes():
@@ -198,16 +239,20 @@ def shapes_of(gltf, folder):
                 normals /= np.linalg.norm(normals, axis=1, keepdims=True)
             name = f"shape_{len(shapes):04d}"
             path = os.path.join(folder, name + ".ply")
-            write_ply(path, positions, normals, triangles)
-            shapes[name] = {"type": "ply", "filename": path, "face_normals": not smooth, "bsdf": bsdf_of(material)}
+            coordinates = gltf.array(attributes["TEXCOORD_0"]) if "TEXCOORD_0" in attributes else None
+            write_ply(path, positions, normals, coordinates, triangles)
+            shapes[name] = {"type": "ply", "filename": path, "face_normals": not smooth, "bsdf": bsdf_of(mi, gltf, material)}
             if emission.any():
                 if material.get("doubleSided"):
                     sys.exit("lights that shine on both sides are not mapped")
-                shapes[name]["emitter"] = {"type": "area", "radiance": rgb(emission)}
+                radiance = rgb(emission)
+                if "emissiveTexture" in material:
+                    radiance = texture_of(mi, gltf, material["emissiveTexture"], lambda t: linear(t) * emission)
+                shapes[name]["emitter"] = {"type": "area", "radiance": radiance}
     return shapes
 
 
-def sensor_of(mi, gltf, name, size):
+def sensor_of(mi, gltf, name, size, lens=None):
     for node, world in gltf.nodes():
         if "camera" not in node:
             continue
@@ -215,8 +260,10 @@ def sensor_of(mi, gltf, name, size):
         if name in (None, node.get("name"), camera.get("name")):
             # glTF's camera looks along -z with +x to the right, Mitsuba's along +z with +x to the left.
             turned = world @ np.diag([-1.0, 1.0, -1.0, 1.0])
-            return {
-                "type": "perspective",
+            opening = {"type": "perspective"}
+            if lens:
+                opening = {"type": "thinlens", "aperture_radius": 0.5 * lens[0], "focus_distance": lens[1]}
+            return opening | {
                 "fov_axis": "y",
                 "fov": float(np.degrees(camera["perspective"]["yfov"])),
                 "near_clip": 1e-3,
@@ -228,12 +275,12 @@ def sensor_of(mi, gltf, name, size):
     sys.exit(f"no camera called {name}" if name else "the scene has no camera")
 
 
-def load(mi, path, size, max_depth, camera):
+def load(mi, path, size, max_depth, camera, lens=None):
     gltf = Gltf(path)
     with tempfile.TemporaryDirectory() as folder:
-        scene = {"type": "scene", "sensor": sensor_of(mi, gltf, camera, size)}
+        scene = {"type": "scene", "sensor": sensor_of(mi, gltf, camera, size, lens)}
         scene["integrator"] = {"type": "path", "max_depth": max_depth, "rr_depth": 1_000_000, "hide_emitters": False}
-        scene.update(shapes_of(gltf, folder))
+        scene.update(shapes_of(mi, gltf, folder))
         return mi.load_dict(scene)
 
 
@@ -305,7 +352,7 @@ def check_metal(mi):
         schlick = (1 - (wi * half).sum(1, keepdims=True)) ** 5
         fresnel = np.array(color) + (1 - np.array(color)) * schlick
         expected = fresnel * (ggx(a2, half[:, 2]) * smith(a2, nl) * smith(a2, nv) / (4 * nv))[:, None]
-        deviation = np.abs(evaluated(mi, twosided(metal(color, roughness)), wi, wo) - expected)
+        deviation = np.abs(evaluated(mi, twosided(metal(rgb(color), roughness)), wi, wo) - expected)
         deviation = (deviation / expected.max(1, keepdims=True)).max()
         print(f"metal, roughness {roughness}: largest relative deviation {deviation:.2e}")
         worst = max(worst, deviation)
@@ -354,6 +401,8 @@ def main():
     parser.add_argument("--batches", type=int, default=64)
     parser.add_argument("--max-depth", type=int, default=12, help="path edges from camera to light")
     parser.add_argument("--camera")
+    parser.add_argument("--aperture", type=float, help="diameter of a thin lens, in the scene's units")
+    parser.add_argument("--focus", type=float, help="distance along the viewing axis of the plane in focus")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--check-metal", action="store_true")
     parser.add_argument("--check-rough-glass", action="store_true")
@@ -365,12 +414,15 @@ def main():
     if not options.scene or not options.output:
         parser.error("a scene and -o OUT.exr are needed")
     size = tuple(int(n) for n in options.size.split("x"))
-    scene = load(mi, options.scene, size, options.max_depth, options.camera)
+    if (options.aperture is None) != (options.focus is None):
+        parser.error("--aperture and --focus come together")
+    lens = options.aperture and (options.aperture, options.focus)
+    scene = load(mi, options.scene, size, options.max_depth, options.camera, lens)
     spp = options.spp if options.spp or options.time else 1024
     mean, variance, batches, per_batch, elapsed = render(
         mi, scene, spp, options.time, max(2, options.batches), options.seed)
     facts = {"spp": batches * per_batch, "batches": batches, "maxDepth": options.max_depth, "seed": options.seed,
-             "seconds": round(elapsed, 1), "renderer": f"Mitsuba {mi.__version__} {mi.variant()}, path"}
+             "seconds": round(elapsed, 1), **({"aperture": lens[0], "focus": lens[1]} if lens else {}), "renderer": f"Mitsuba {mi.__version__} {mi.variant()}, path"}
     layers = {name: mean[..., i] for i, name in enumerate("RGB")}
     layers.update({f"Variance.{name}": variance[..., i] for i, name in enumerate("RGB")})
     write_exr(options.output, layers, facts)

@@ -26,16 +26,30 @@ use room::{layered_room, lit_room, orthographic_room, room, unlit_wall, veiled_r
 
 /// What shaders/passes/surface_probe.wesl tells of points of a scene.
 fn probe(scene: &Scene, points: &[[u32; 4]]) -> Vec<[[f32; 4]; 4]> {
+    probe_split(scene, points, false)
+}
+
+fn probe_split(scene: &Scene, points: &[[u32; 4]], split: bool) -> Vec<[[f32; 4]; 4]> {
     let context = Context::open(None).unwrap_or_else(|e| panic!("{e}"));
-    let data = SceneData::new(scene, &scene.cameras[0], 4, 4).unwrap();
+    let mut data = SceneData::new(scene, &scene.cameras[0], 4, 4).unwrap();
+    data.split = split;
     let n = points.len() as u64;
     let mut run =
         Run::new(&context, &data, Sizes { chains: 16 * n, lists: 16, output: 64 * n, counters: 256 }).unwrap();
     run.set_chains(0, bytemuck::cast_slice(points));
     let uniform = PassUniform { entries: n as u32, stride: n as u32, ..Default::default() };
-    let variant = Variant { pass: "surface_probe", features: Features::of(scene), max_edges: 4, flags: vec![] };
+    let features = Features { split, ..Features::of(scene) };
+    let variant = Variant { pass: "surface_probe", features, max_edges: 4, flags: vec![] };
     run.submit(&[Dispatch { variant, uniform }]).unwrap();
     bytemuck::cast_slice(&run.read(Buffer::Output, 0..64 * n).unwrap()).to_vec()
+}
+
+/// So many triangles as need buffers of their own for their edges are looked up there as in one.
+#[test]
+fn split_triangles_are_the_same() {
+    let scene = room();
+    let points: Vec<[u32; 4]> = (0..1000).map(|n| [n % 10, 0.3f32.to_bits(), (n as f32 * 6e-4).to_bits(), 0]).collect();
+    assert_eq!(probe_split(&scene, &points, true), probe(&scene, &points));
 }
 
 /// Interpolation of what the corners of a triangle have.

@@ -74,6 +74,7 @@ pub fn room() -> Scene {
             world_from_camera: Affine3A::from_translation(vec3(0.0, 1.0, 3.2)),
             vertical_fov: 0.8,
             orthographic_height: None,
+            lens: None,
             aspect: None,
         }],
         ..Scene::default()

@@ -55,7 +55,7 @@ pub fn convert(camera: &json::Camera, name: String, world_from_node: DAffine3) -
     let up = world_from_node.matrix3.y_axis;
     let world_from_camera =
         rigid(back, up, world_from_node.translation).ok_or("its node's scale is zero: give it a scale of 1")?;
-    Ok(Camera { name, world_from_camera, vertical_fov, orthographic_height, aspect })
+    Ok(Camera { name, world_from_camera, vertical_fov, orthographic_height, lens: None, aspect })
 }
 
 /// A camera that sees the whole scene: from the front, a little from the side and above; a flat scene face-on.
@@ -88,6 +88,7 @@ pub fn framed(scene: &Scene) -> Camera {
         world_from_camera: rigid(back, up, eye(scene, right, up, back)).unwrap_or(turned),
         vertical_fov: DEFAULT_FOV as f32,
         orthographic_height: None,
+        lens: None,
         aspect: None,
     }
 }
