@@ -55,8 +55,8 @@ pub const STRATEGY_ENTRIES: usize = 1024;
 pub const WEIGHT_TILES: u32 = 32;
 pub const WEIGHT_ENTRIES: usize = 1024;
 
-/// Rows of the chain state before the vertices (`ROW_VERTICES`), and the row of the type key (`ROW_KEY`).
-pub const ROW_VERTICES: usize = 4;
+/// Rows of the chain state before the vertices (`ROW_VERTICES`; one is the lens's), and the row of the type key (`ROW_KEY`).
+pub const ROW_VERTICES: usize = 5;
 pub const ROW_KEY: usize = 3;
 pub const ROW_PIXEL: usize = 0;
 
