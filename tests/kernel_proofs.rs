@@ -9,6 +9,8 @@ mod crossover;
 mod stationarity;
 #[path = "kernel_proofs/structural.rs"]
 mod structural;
+#[path = "kernel_proofs/waits.rs"]
+mod waits;
 
 use bench::{Bench, Guides, HALF, context};
 use emlt::gpu::layout::{PassUniform, ROW_KEY, ROW_VERTICES, row_guide, unpack_position};

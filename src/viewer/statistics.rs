@@ -6,7 +6,7 @@ use super::app::Viewer;
 use super::slot::Slot;
 use crate::kernels;
 use crate::methods::Method;
-use crate::report::summary::{grouped, million_per_second, peak_memory_bytes};
+use crate::report::summary::{grouped, million_per_second, mixing_rows, peak_memory_bytes};
 
 impl Viewer {
     pub(super) fn statistics(&self, ui: &mut Ui) {
@@ -86,6 +86,9 @@ fn figures(ui: &mut Ui, number: usize, slot: &Slot) {
         if let Some(last) = slot.errors.last() {
             row("relMSE", format!("{:.4} a pixel, {:.4} of 4x4", last.rel_mse, last.rel_mse_blocks));
         }
+        for (name, text) in s.mixing.iter().flat_map(mixing_rows) {
+            row(name, text);
+        }
         row("time", format!("{:.1} s, and {:.1} s to start", s.render_s, s.setup_s + s.compile_s + s.seeding_s));
         row("device", s.device.clone());
     });
@@ -100,12 +103,13 @@ fn kernel_table(ui: &mut Ui, number: usize, slot: &Slot) {
         return;
     }
     let total: u64 = kernels.iter().map(|k| k.mutations).sum();
-    Grid::new(("kernels", number)).num_columns(4).striped(true).spacing([12.0, 2.0]).show(ui, |ui| {
+    Grid::new(("kernels", number)).num_columns(5).striped(true).spacing([12.0, 2.0]).show(ui, |ui| {
         for (title, hint) in [
             ("kernel", ""),
             ("share", "of all mutations"),
             ("accepted", "of its own mutations"),
             ("jump", "mean squared jump on the film, px\u{b2}"),
+            ("million/s", "mutations, by the device's clock"),
         ] {
             ui.strong(title).on_hover_text(hint);
         }
@@ -116,6 +120,7 @@ fn kernel_table(ui: &mut Ui, number: usize, slot: &Slot) {
             ui.monospace(percent(k.mutations, total));
             ui.monospace(percent(k.accepted, k.mutations));
             ui.monospace(format!("{:.1}", k.mean_squared_jump_px2));
+            ui.monospace(k.device_s.map_or("-".into(), |s| format!("{:.2}", k.mutations as f64 / s / 1e6)));
             ui.end_row();
         }
     });

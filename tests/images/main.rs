@@ -13,6 +13,7 @@ mod glass_furnace;
 mod groups;
 mod invariance;
 mod mitsuba;
+mod mixing;
 mod options;
 mod renders;
 mod repetition;
