@@ -5,6 +5,10 @@
 mod bench;
 #[path = "kernel_proofs/crossover.rs"]
 mod crossover;
+#[path = "kernel_proofs/double.rs"]
+mod double;
+#[path = "kernel_proofs/precision.rs"]
+mod precision;
 #[path = "kernel_proofs/stationarity.rs"]
 mod stationarity;
 #[path = "kernel_proofs/structural.rs"]

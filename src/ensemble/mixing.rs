@@ -113,3 +113,55 @@ impl Mixing {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::pool::Tag::{Diffuse as D, Transmission as T};
+    use super::*;
+
+    const KEYS: [&[super::super::pool::Tag]; 2] = [&[D], &[T, D]];
+
+    /// Paths of 8 groups whose log I is drawn anew at every look, or once: then groups are shifted against each other.
+    fn seen(half: usize, look: u32, moves: bool) -> Vec<Seen> {
+        let of = |path: u32| {
+            let random = crate::reference::rng::random_words(3, path, if moves { look } else { 0 }, half as u32);
+            let group = if moves { 0.0 } else { (path / 128) as f32 };
+            let waited = if moves { random[1] % 30 } else { 20 * look + 1 };
+            let key = TypeKey::from_tags(KEYS[(path % 2) as usize]);
+            Seen { key, log_i: (random[0] >> 8) as f32 / 16_777_216.0 + 0.5 * group, waited }
+        };
+        (0..1024).map(of).collect()
+    }
+
+    fn mixing(moves: bool) -> MixingStatistics {
+        let mut mixing = Mixing::new(Groups::new(2048, 8));
+        for look in 0..40 {
+            (0..2).for_each(|half| mixing.observe(half, &seen(half, look, moves)));
+        }
+        mixing.statistics(800.0, if moves { 35 } else { 800 })
+    }
+
+    #[test]
+    fn good_chains_are_told_from_bad_ones() {
+        let good = mixing(true);
+        assert_eq!((good.memory.map(|m| m < 25.0), good.warnings()), (Some(true), vec![]));
+        assert!(good.effective.unwrap() > 0.8 * 40.0 * 2048.0, "{good:?}");
+        let bad = mixing(false);
+        assert_eq!(bad.memory, None);
+        assert!((bad.effective.unwrap() / 2048.0 - 1.0).abs() < 0.02, "{bad:?}");
+        assert_eq!(bad.waiting_type, "L D E");
+        let notes = bad.warnings();
+        assert!(
+            notes.len() == 2 && notes[0].contains("do not agree") && notes[1].contains("800 mutations"),
+            "{notes:?}"
+        );
+    }
+
+    #[test]
+    fn waits_are_long_or_short_against_the_render() {
+        let of = |longest_wait, mutations| {
+            MixingStatistics { longest_wait, mutations, ..Default::default() }.warnings().len()
+        };
+        assert_eq!((of(900, 2400.0), of(1300, 2400.0), of(90, 100.0), of(100, 100.0)), (0, 1, 0, 1));
+    }
+}

@@ -118,14 +118,18 @@ pub fn mixing_rows(mixing: &MixingStatistics) -> Vec<(&'static str, String)> {
     let MixingStatistics { mutations, longest_wait, waiting_type, memory, effective, groups, r_hat, .. } = mixing;
     let mut rows = Vec::new();
     if let Some(effective) = effective {
-        let memory = match memory {
-            Some(memory) => format!("is forgotten in {} mutations", grouped(memory.round() as u64)),
-            None => format!("is not forgotten in the {} mutations of a path", grouped(mutations.round() as u64)),
-        };
         let each = effective / f64::from(mixing.paths.max(1));
+        let memory = match memory {
+            Some(memory) => format!("for {}", grouped(memory.round() as u64)),
+            // What paths have shown of their memory, all of which they are too short to show.
+            None => format!("for {} or more", grouped((mutations / each).round() as u64)),
+        };
         rows.push((
             "mixing",
-            format!("log I {memory}: {each:.1} effective samples a path, {} in all", grouped(*effective as u64)),
+            format!(
+                "log I is remembered {memory} mutations: {each:.1} effective samples a path, {} in all",
+                grouped(effective.round() as u64)
+            ),
         ));
     }
     if let Some([log_i, edges]) = r_hat {
@@ -293,7 +297,7 @@ rays        120,000,000, 2.892 million per second
 b           0.250000 +- 0.40 %, direct light not counted
 error       21.3 % a pixel, 3.21 % of 8x8 tiles, by the scatter of 8 groups; film mean 0.250000, 95 % in 0.248000 to 0.252000
 types       1 hold 0.1 % of the light or more; chains and start differ by 1.2 standard errors at most (L S D E)
-mixing      log I is forgotten in 86 mutations: 14.1 effective samples a path, 231,424 in all
+mixing      log I is remembered for 86 mutations: 14.1 effective samples a path, 231,424 in all
 agreement   nested R-hat of 8 groups 1.003 for log I, 1.001 for lengths of paths
 waits       1,034 mutations at most without a move, by a path L S D E; each path makes about 1,221
 integrity   -2.5e-7 (splatted luminance over mutations, minus 1)
