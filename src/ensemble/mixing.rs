@@ -9,11 +9,14 @@ use super::pool::TypeKey;
 
 /// Paths of a half whose log I is followed: their autocovariances scatter by little where there are so many.
 const FOLLOWED: u32 = 512;
-/// Share of its mutations that a path may wait without being spoken of: one that waits longer may wait until the render's
-/// end, so how much light its place gets is decided by when the render ends and not by how likely the place is.
-const LONG_WAIT: f64 = 0.5;
-/// No wait is spoken of below: as long as this, one of a million paths waits where one proposal in eight is accepted.
-const SHORT_WAIT: u64 = 100;
+/// A wait is spoken of that alone puts so many times the film's mean luminance on one pixel: one that stands out.
+const BRIGHT: f64 = 10.0;
+/// No wait is spoken of below: so long waits one of a million paths of which one proposal in eight is accepted.
+const SHORT_WAIT: f64 = 100.0;
+/// A path stands still that has not moved for so much of the render: it may wait for its end, and its light is what the
+/// start has made it. So many of the paths may.
+const STILL: f64 = 0.5;
+const FEW: f64 = 0.01;
 
 /// What is seen of one path.
 #[derive(Debug, Clone, Copy)]
@@ -33,6 +36,8 @@ pub struct Mixing {
     edges: Agreement,
     /// The longest wait seen, with the type of its path: a path that waits keeps its type.
     waiting: Option<(u32, TypeKey)>,
+    /// How long every path had waited when last seen.
+    waits: Vec<u32>,
 }
 
 /// How well chains mix.
@@ -43,6 +48,8 @@ pub struct MixingStatistics {
     /// The most of them in a row in which a path did not move, and the type of such a path, as in L S D E.
     pub longest_wait: u64,
     pub waiting_type: String,
+    /// Share of the paths that, when last seen, had not moved for half of their mutations.
+    pub still: f64,
     /// Integrated autocorrelation time of log I in mutations; none where the render is too short to tell.
     pub memory: Option<f64>,
     /// Effective samples of log I by all paths, as if paths did not know of each other; none where log I is the same for all.
@@ -53,11 +60,17 @@ pub struct MixingStatistics {
     pub r_hat: Option<[f64; 2]>,
     /// Up to where groups agree.
     pub r_hat_limit: f64,
-    /// Paths of the ensemble.
+    /// Paths of the ensemble, and pixels of the film.
     pub paths: u32,
+    pub pixels: u64,
 }
 
 impl MixingStatistics {
+    /// What the longest wait has put on its pixel, in mean luminances of the film.
+    fn brightness(&self) -> f64 {
+        self.longest_wait as f64 * self.pixels as f64 / (self.mutations * f64::from(self.paths)).max(1.0)
+    }
+
     /// What a user should know, and do about it.
     pub fn warnings(&self) -> Vec<String> {
         let mut list = Vec::new();
@@ -67,9 +80,16 @@ impl MixingStatistics {
                 "the {groups} groups of paths do not agree: nested R-hat is {log_i:.3} for log I and {edges:.3} for lengths of paths, up to {r_hat_limit:.2} is agreement; they have not forgotten where they started, raise --spp and compare several seeds"
             ));
         }
-        if *longest_wait >= SHORT_WAIT && *longest_wait as f64 > LONG_WAIT * mutations {
+        let brightness = self.brightness();
+        if *longest_wait as f64 >= SHORT_WAIT && brightness > BRIGHT {
             list.push(format!(
-                "a path {waiting_type} has not moved for {longest_wait} mutations, of about {mutations:.0} that each path makes: expect bright spots in its light, raise --spp until no wait is that long"
+                "a path {waiting_type} has not moved for {longest_wait} mutations, which alone put {brightness:.0} times the film's mean luminance on one pixel: expect bright spots, raise --spp or give kernels that move such paths more weight by --kernels"
+            ));
+        }
+        if *mutations >= SHORT_WAIT && self.still > FEW {
+            list.push(format!(
+                "{:.1} % of the paths have not moved for half of the {mutations:.0} mutations that each made: what they carry is as the start has left it, raise --spp or give other kernels more weight by --kernels",
+                100.0 * self.still
             ));
         }
         list
@@ -79,7 +99,14 @@ impl MixingStatistics {
 impl Mixing {
     pub fn new(groups: Groups) -> Self {
         let [log_i, edges] = [(); 2].map(|()| Agreement::new(groups));
-        Self { groups, memory: Autocorrelation::new(2), log_i, edges, waiting: None }
+        Self {
+            groups,
+            memory: Autocorrelation::new(2),
+            log_i,
+            edges,
+            waiting: None,
+            waits: vec![0; groups.paths() as usize],
+        }
     }
 
     /// Adds what is seen of every path of a half.
@@ -90,7 +117,9 @@ impl Mixing {
         self.memory.observe(half, &values);
         self.log_i.observe(half, paths.iter().map(|seen| f64::from(seen.log_i)));
         self.edges.observe(half, paths.iter().map(|seen| f64::from(seen.key.edges())));
-        for seen in paths {
+        let waits = &mut self.waits[self.groups.first_of_half(half) as usize..];
+        for (wait, seen) in waits.iter_mut().zip(paths) {
+            *wait = seen.waited;
             if self.waiting.is_none_or(|(longest, _)| seen.waited > longest) {
                 self.waiting = Some((seen.waited, seen.key));
             }
@@ -98,8 +127,9 @@ impl Mixing {
     }
 
     /// What all that comes to after `mutations` of each path, with the longest wait that the device has counted.
-    pub fn statistics(&self, mutations: f64, longest_wait: u64) -> MixingStatistics {
+    pub fn statistics(&self, mutations: f64, longest_wait: u64, pixels: u64) -> MixingStatistics {
         let memory = self.memory.memory();
+        let still = self.waits.iter().filter(|wait| f64::from(**wait) > STILL * mutations).count();
         MixingStatistics {
             mutations,
             longest_wait,
@@ -109,7 +139,9 @@ impl Mixing {
             groups: self.groups.count(),
             r_hat: self.log_i.r_hat().zip(self.edges.r_hat()).map(|(log_i, edges)| [log_i, edges]),
             r_hat_limit: self.log_i.limit(),
+            still: still as f64 / self.waits.len().max(1) as f64,
             paths: self.groups.paths(),
+            pixels,
         }
     }
 }
@@ -138,7 +170,7 @@ mod tests {
         for look in 0..40 {
             (0..2).for_each(|half| mixing.observe(half, &seen(half, look, moves)));
         }
-        mixing.statistics(800.0, if moves { 35 } else { 800 })
+        mixing.statistics(800.0, if moves { 35 } else { 800 }, 20_480)
     }
 
     #[test]
@@ -151,17 +183,19 @@ mod tests {
         assert!((bad.effective.unwrap() / 2048.0 - 1.0).abs() < 0.02, "{bad:?}");
         assert_eq!(bad.waiting_type, "L D E");
         let notes = bad.warnings();
-        assert!(
-            notes.len() == 2 && notes[0].contains("do not agree") && notes[1].contains("800 mutations"),
-            "{notes:?}"
-        );
+        let said = |i: usize, words: &str| notes[i].contains(words);
+        // 800 waits of 2048 * 800 mutations on 20,480 pixels.
+        assert!(notes.len() == 2 && said(0, "do not agree") && said(1, "100.0 % of the paths"), "{notes:?}");
+        let bright = MixingStatistics { pixels: 40_960, ..bad };
+        assert!(bright.warnings()[1].contains("800 mutations, which alone put 20 times"), "{:?}", bright.warnings());
     }
 
     #[test]
-    fn waits_are_long_or_short_against_the_render() {
-        let of = |longest_wait, mutations| {
-            MixingStatistics { longest_wait, mutations, ..Default::default() }.warnings().len()
+    fn waits_are_bright_or_not_and_short_ones_never() {
+        let of = |longest_wait, mutations, pixels| {
+            let statistics = MixingStatistics { longest_wait, mutations, pixels, paths: 100, ..Default::default() };
+            statistics.warnings().len()
         };
-        assert_eq!((of(900, 2400.0), of(1300, 2400.0), of(90, 100.0), of(100, 100.0)), (0, 1, 0, 1));
+        assert_eq!((of(900, 2400.0, 2000), of(1300, 2400.0, 2000), of(90, 100.0, 2000)), (0, 1, 0));
     }
 }

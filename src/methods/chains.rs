@@ -298,7 +298,7 @@ impl Part for Chains<'_> {
             statistics.b = Some(ensemble.b());
             statistics.types = ensemble.types().statistics();
             statistics.notes.extend(type_shares::warnings(&statistics.types).into_iter().take(MOST_WARNINGS));
-            let mixing = ensemble.mixing();
+            let mixing = ensemble.mixing(self.pixels());
             statistics.notes.extend(mixing.warnings());
             statistics.mixing = Some(mixing);
         }

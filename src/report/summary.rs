@@ -141,9 +141,10 @@ pub fn mixing_rows(mixing: &MixingStatistics) -> Vec<(&'static str, String)> {
     rows.push((
         "waits",
         format!(
-            "{} mutations at most without a move, by a path {waiting_type}; each path makes about {}",
+            "{} mutations at most without a move, of about {} that each path makes, by a path {waiting_type}; {:.2} % of the paths stand still",
             grouped(*longest_wait),
-            grouped(mutations.round() as u64)
+            grouped(mutations.round() as u64),
+            100.0 * mixing.still
         ),
     ));
     rows
@@ -271,6 +272,8 @@ mod tests {
                 groups: 8,
                 r_hat: Some([1.0034, 1.0009]),
                 r_hat_limit: 1.02,
+                still: 0.0012,
+                pixels: 320_000,
             }),
             integrity: Some(-2.5e-7),
             setup_s: 0.1,
@@ -299,7 +302,7 @@ error       21.3 % a pixel, 3.21 % of 8x8 tiles, by the scatter of 8 groups; fil
 types       1 hold 0.1 % of the light or more; chains and start differ by 1.2 standard errors at most (L S D E)
 mixing      log I is remembered for 86 mutations: 14.1 effective samples a path, 231,424 in all
 agreement   nested R-hat of 8 groups 1.003 for log I, 1.001 for lengths of paths
-waits       1,034 mutations at most without a move, by a path L S D E; each path makes about 1,221
+waits       1,034 mutations at most without a move, of about 1,221 that each path makes, by a path L S D E; 0.12 % of the paths stand still
 integrity   -2.5e-7 (splatted luminance over mutations, minus 1)
 non-finite  proposals, all rejected: 3 in lens
 host        1.2 % of the rendering time

@@ -13,17 +13,14 @@ fn told(outcome: &Outcome) -> (MixingStatistics, Vec<String>) {
     (mixing, outcome.statistics.notes.clone())
 }
 
-/// Chains that move well are not spoken of, and forget log I well within the render.
+/// Chains that move well are not spoken of.
 #[test]
 fn chains_that_mix_are_not_blamed() {
     let settings = settings(Method::Emlt, [64, 48], 500);
     let (mixing, notes) = told(&render(&scene("scenes/cornell.glb"), &settings));
-    let memory = mixing.memory.expect("log I is forgotten");
-    assert!((20.0..100.0).contains(&memory), "{memory}");
-    let effective = mixing.effective.unwrap() / f64::from(mixing.paths);
-    assert!((effective * memory / mixing.mutations - 1.0).abs() < 0.2, "{effective} samples a path");
+    assert!(mixing.effective.unwrap() > 2.0 * f64::from(mixing.paths));
     assert!(mixing.r_hat.unwrap().iter().all(|r_hat| *r_hat < 1.01));
-    assert!(mixing.longest_wait < 300 && notes.is_empty(), "{notes:?}");
+    assert!(mixing.still < 0.005 && notes.is_empty(), "{notes:?}");
 }
 
 /// Nothing but independent proposals, few of which are accepted, from a start of few candidates: some paths never move,
@@ -33,8 +30,9 @@ fn chains_that_do_not_move_are_caught() {
     static NOTHING: Kernel = Kernel { name: "nothing", applies: |_, _| false, ..lens::KERNEL };
     let kernels: Vec<(&'static Kernel, f64)> = vec![(&independence::KERNEL, 0.05), (&NOTHING, 1.0)];
     // 10 half-sweeps of either half.
-    let spp = 10 * HALF_SWEEP * 2048 / (32 * 24);
-    let settings = Settings { kernels: Some(kernels), candidates: 1 << 10, ..settings(Method::Emlt, [32, 24], spp) };
+    let film = [256, 192];
+    let spp = 10 * HALF_SWEEP * 2048 / (film[0] * film[1]);
+    let settings = Settings { kernels: Some(kernels), candidates: 1 << 10, ..settings(Method::Emlt, film, spp) };
     let (mixing, notes) = told(&render(&scene("scenes/ajar.glb"), &settings));
     assert_eq!(mixing.mutations, 200.0);
     assert_eq!(mixing.longest_wait, 200, "a path that has never moved waits from the first mutation on");
@@ -42,5 +40,6 @@ fn chains_that_do_not_move_are_caught() {
     assert!(mixing.effective.unwrap() < 1.5 * f64::from(mixing.paths));
     assert!(mixing.r_hat.unwrap()[0] > 1.05);
     let said = |words: &str| notes.iter().any(|note| note.contains(words));
-    assert!(said("groups of paths do not agree") && said("has not moved for"), "{notes:?}");
+    assert!(mixing.still > 0.5 && said("of the paths have not moved"), "{notes:?}");
+    assert!(said("groups of paths do not agree") && said("put 25 times the film's mean"), "{notes:?}");
 }

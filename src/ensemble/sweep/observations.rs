@@ -25,10 +25,10 @@ impl Ensemble {
         Ok(())
     }
 
-    /// How well the chains mix.
-    pub fn mixing(&self) -> MixingStatistics {
+    /// How well the chains mix, on a film of so many pixels.
+    pub fn mixing(&self, pixels: u64) -> MixingStatistics {
         let longest = self.tallies.iter().chain([&self.rest]).map(|tally| tally.longest_wait).max().unwrap_or(0);
         let mutations = self.mutations() as f64 / f64::from(self.build.groups.paths());
-        self.mixing.statistics(mutations, u64::from(longest))
+        self.mixing.statistics(mutations, u64::from(longest), pixels)
     }
 }
