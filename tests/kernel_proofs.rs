@@ -1,6 +1,8 @@
 //! Proofs that the kernels on the device are exact (METHOD.md section 4), on coloured scenes with metal and glass, smooth
 //! and rough; for each, a deliberately broken twin that the same test must catch.
 
+#[path = "kernel_proofs/arithmetic.rs"]
+mod arithmetic;
 #[path = "kernel_proofs/bench.rs"]
 mod bench;
 #[path = "kernel_proofs/crossover.rs"]

@@ -166,7 +166,7 @@ fn summary(what: &str, pairs: &mut [Pair]) -> (f64, f64) {
     pairs.sort_by(|a, b| b.difference().total_cmp(&a.difference()));
     let n = pairs.len();
     let median = pairs[n / 2].difference();
-    let large = pairs.iter().filter(|pair| !(pair.difference() < LARGE)).count();
+    let large = pairs.iter().filter(|pair| pair.difference().is_nan() || pair.difference() >= LARGE).count();
     let thousandth = pairs[n / 1000].difference();
     println!("{what}: {n} proposals, median {median:.1e}, 99.9 % within {thousandth:.1e}, {large} above {LARGE}");
     for pair in pairs.iter().take(large.min(5)) {
