@@ -1,14 +1,22 @@
 //! Proofs that the kernels on the device are exact (METHOD.md section 4), on coloured scenes with metal and glass, smooth
 //! and rough; for each, a deliberately broken twin that the same test must catch.
 
+#[path = "kernel_proofs/arithmetic.rs"]
+mod arithmetic;
 #[path = "kernel_proofs/bench.rs"]
 mod bench;
 #[path = "kernel_proofs/crossover.rs"]
 mod crossover;
+#[path = "kernel_proofs/double.rs"]
+mod double;
+#[path = "kernel_proofs/precision.rs"]
+mod precision;
 #[path = "kernel_proofs/stationarity.rs"]
 mod stationarity;
 #[path = "kernel_proofs/structural.rs"]
 mod structural;
+#[path = "kernel_proofs/waits.rs"]
+mod waits;
 
 use bench::{Bench, Guides, HALF, context};
 use emlt::gpu::layout::{PassUniform, ROW_KEY, ROW_VERTICES, row_guide, unpack_position};

@@ -1,5 +1,7 @@
 //! The ensemble: its start, its pool of guides, its sweeps.
 
+pub mod agreement;
+pub mod autocorrelation;
 pub mod bootstrap;
 pub mod build;
 pub mod crossings;
@@ -7,6 +9,7 @@ pub mod cuts;
 pub mod groups;
 pub mod guidance;
 pub mod mix;
+pub mod mixing;
 pub mod pool;
 pub mod similarity;
 pub mod strategies;

@@ -6,6 +6,7 @@
 //! smaller steps, which change nothing but when the host hears of them.
 
 mod crossover;
+mod observations;
 mod tallies;
 
 use std::collections::VecDeque;
@@ -16,6 +17,7 @@ use super::cuts::CutList;
 use super::groups::Group;
 use super::guidance::{Guidance, NORMAL_LENGTH, SIMILARITY_RADIUS};
 use super::mix::Mix;
+use super::mixing::Mixing;
 use super::pool::{Pool, TypeKey};
 use super::similarity::similarity_median;
 use super::type_shares::TypeShares;
@@ -31,6 +33,11 @@ use tallies::Tally;
 const DIMENSION_STRATEGY: u32 = 0xffff;
 /// The independence kernel's number in every mix.
 const INDEPENDENCE: usize = 0;
+
+/// First word of a kernel's counters, by its number.
+fn counters_of(kernel: usize) -> u32 {
+    (kernel * COUNTER_WORDS) as u32
+}
 
 /// Where a half-sweep stands between its steps.
 enum Phase {
@@ -52,14 +59,14 @@ pub struct Ensemble {
     phase: Phase,
     /// Global pass counter; keys every random number together with the path index.
     pass_index: u32,
-    /// One a kernel of the mix.
+    /// One a kernel of the mix, and one of paths that no kernel applied to.
     tallies: Vec<Tally>,
-    /// Mutations of paths that no kernel applied to.
-    rests: u64,
+    rest: Tally,
     /// b and the integral of the target: their samples of the start, and every proposal of the independence kernel.
     b: Mean,
     target: Mean,
     types: TypeShares,
+    mixing: Mixing,
 }
 
 impl Ensemble {
@@ -81,10 +88,11 @@ impl Ensemble {
             phase: Phase::Structural(0),
             pass_index: 0,
             tallies,
-            rests: 0,
+            rest: Tally::default(),
             b,
             target,
             types,
+            mixing: Mixing::new(build.groups),
         };
         for half in 0..2 {
             let rows = ensemble.read_key_rows(run, half)?;
@@ -96,7 +104,7 @@ impl Ensemble {
 
     /// Mutations so far; each put weight 1 on the film.
     pub fn mutations(&self) -> u64 {
-        self.rests + self.tallies.iter().map(|t| t.mutations).sum::<u64>()
+        self.rest.mutations + self.tallies.iter().map(|t| t.mutations).sum::<u64>()
     }
 
     /// Whether no half-sweep is under way: then, and only then, every mutation counted is on the film.
@@ -118,7 +126,7 @@ impl Ensemble {
                 let number = *made;
                 let kernel = self.structural_kernel(number);
                 if let Some(kernel) = kernel {
-                    self.structural(run, half, kernel)?;
+                    self.structural(run, half, kernel, number)?;
                 }
                 self.phase = if self.structural_kernel(number + 1).is_some() {
                     Phase::Structural(number + 1)
@@ -129,7 +137,7 @@ impl Ensemble {
             Phase::Perturbing(waiting) => {
                 let now: Vec<Dispatch> = waiting.drain(..dispatches.clamp(1, PASS_SLOTS).min(waiting.len())).collect();
                 let last = waiting.is_empty();
-                run.submit(&now)?;
+                run.submit_timed(&now)?;
                 if last {
                     self.freeze(run, half)?;
                     self.tally(run)?;
@@ -150,7 +158,7 @@ impl Ensemble {
         passes.nth(number as usize)
     }
 
-    fn structural(&mut self, run: &mut Run, half: usize, kernel: usize) -> Result<()> {
+    fn structural(&mut self, run: &mut Run, half: usize, kernel: usize, number: u32) -> Result<()> {
         if kernel == INDEPENDENCE {
             self.independence(run, half)?;
         } else if self.mix.family(kernel) == Family::Pair {
@@ -161,6 +169,9 @@ impl Ensemble {
         let rows = self.read_key_rows(run, half)?;
         self.halves[half] = self.groups_of(&rows, half)?;
         if kernel == INDEPENDENCE {
+            if number == 0 {
+                self.observe(run, half, &rows)?;
+            }
             for row in &rows {
                 let log_weight = f64::from(f32::from_bits(row[3]));
                 let log_w = if self.build.two_stage { f64::from(f32::from_bits(row[2])) } else { 0.0 };
@@ -188,14 +199,14 @@ impl Ensemble {
         let uniform = PassUniform {
             pass_index: self.pass_index,
             entries: half_paths,
-            counters_offset: (INDEPENDENCE * COUNTER_WORDS) as u32,
+            counters_offset: counters_of(INDEPENDENCE),
             ..self.build.uniform()
         };
         let dispatches =
             ["weigh", "independence"].map(|pass| Dispatch { variant: self.build.variant(pass, &[]), uniform });
         self.tallies[INDEPENDENCE].mutations += u64::from(half_paths);
         self.pass_index += 1;
-        run.submit(&dispatches)
+        run.submit_timed(&dispatches)
     }
 
     /// The bidirectional mutations, sorted by what they cut; paths without a cut rest.
@@ -209,11 +220,11 @@ impl Ensemble {
             self.build.min_edges..=self.build.max_edges,
         );
         run.set_lists(&list.words);
-        let base = PassUniform { pass_index: self.pass_index, ..self.build.uniform() };
+        let base =
+            PassUniform { pass_index: self.pass_index, counters_offset: counters_of(kernel), ..self.build.uniform() };
         let (moved, resting) = (list.entries.len() as u32, list.resting);
-        let counters_offset = (kernel * COUNTER_WORDS) as u32;
         let dispatches = [
-            (kernel_of.pass, kernel_of.flags, PassUniform { entries: moved, counters_offset, ..base }),
+            (kernel_of.pass, kernel_of.flags, PassUniform { entries: moved, ..base }),
             (
                 "rest",
                 &[][..],
@@ -228,7 +239,7 @@ impl Ensemble {
         // A mutation without a cut is one that fails at once.
         self.tallies[kernel].mutations += u64::from(self.build.groups.half_paths());
         self.pass_index += 1;
-        run.submit(&dispatches)
+        run.submit_timed(&dispatches)
     }
 
     /// The type-keeping passes; their lists go to the device at once.
@@ -250,7 +261,7 @@ impl Ensemble {
                         pass_index: self.pass_index,
                         entries: list.count,
                         entries_offset: list.offset,
-                        counters_offset: (kernel * COUNTER_WORDS) as u32,
+                        counters_offset: counters_of(kernel),
                         ..base
                     },
                 });
@@ -266,10 +277,11 @@ impl Ensemble {
                     entries: work.idle.count,
                     entries_offset: work.idle.offset,
                     weight: self.mix.perturbation_passes() as f32,
+                    counters_offset: counters_of(self.tallies.len()),
                     ..base
                 },
             });
-            self.rests += u64::from(work.idle.count) * u64::from(self.mix.perturbation_passes());
+            self.rest.mutations += u64::from(work.idle.count) * u64::from(self.mix.perturbation_passes());
         }
         self.pass_index += 1;
         dispatches
@@ -321,10 +333,18 @@ impl Ensemble {
     }
 
     fn read_key_rows(&self, run: &mut Run, half: usize) -> Result<Vec<[u32; 4]>> {
+        self.read_rows(run, half, &[ROW_KEY])
+    }
+
+    /// Rows of the paths of a half, one after another.
+    fn read_rows(&self, run: &mut Run, half: usize, rows: &[usize]) -> Result<Vec<[u32; 4]>> {
         let groups = self.build.groups;
-        let start = 16 * (ROW_KEY as u64 * u64::from(groups.paths()) + u64::from(groups.first_of_half(half)));
-        let bytes = run.read(Buffer::Chains, start..start + 16 * u64::from(groups.half_paths()))?;
-        Ok(bytemuck::cast_slice(&bytes).to_vec())
+        let range = |row: &usize| {
+            let start = 16 * (*row as u64 * u64::from(groups.paths()) + u64::from(groups.first_of_half(half)));
+            start..start + 16 * u64::from(groups.half_paths())
+        };
+        let ranges: Vec<_> = rows.iter().map(range).collect();
+        Ok(bytemuck::cast_slice(&run.read_ranges(Buffer::Chains, &ranges)?).to_vec())
     }
 
     /// The groups of a half by the types of its paths, as the device tells them.

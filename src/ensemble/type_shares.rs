@@ -46,12 +46,12 @@ impl TypeStatistics {
         let [start, error, chains] = [self.start, self.start_error, self.chains].map(|share| 100.0 * share);
         if self.z().abs() > WORST_Z {
             return Some(format!(
-                "paths {name} hold {chains:.2} % of the chains but {start:.2} +- {error:.2} % of the light: they have not converged, raise --spp and compare seeds"
+                "paths {name} hold {chains:.2} % of the chains but {start:.2} +- {error:.2} % of the light: they have not converged, raise --spp, or the weights of the kernels that change types (independence and bidirectional ones, by --kernels), and compare several seeds"
             ));
         }
         (self.start_error > WORST_ERROR * self.start).then(|| {
             format!(
-                "paths {name} hold {start:.2} +- {error:.2} % of the light by {candidates} of the start's candidates: they have not converged, compare several seeds"
+                "paths {name} hold {start:.2} +- {error:.2} % of the light by {candidates} of the start's candidates: they have not converged, compare several seeds, or make such light easier to find with larger lights"
             )
         })
     }

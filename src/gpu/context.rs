@@ -97,6 +97,8 @@ impl Context {
     fn on(adapter: &wgpu::Adapter) -> Result<Self> {
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("emlt"),
+            // The clock, where there is one, is for statistics alone.
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
             required_limits: limits(adapter),
             ..Default::default()
         }))

@@ -91,6 +91,12 @@ pub const COUNTER_NON_FINITE: usize = 1;
 pub const COUNTER_RAYS: usize = 2;
 pub const COUNTER_JUMP_LOW: usize = 3;
 pub const COUNTER_JUMP_HIGH: usize = 4;
+pub const COUNTER_LONGEST_WAIT: usize = 5;
+/// Bytes of the counters of a run with so many kernels; the last ones are for paths that rest because no kernel applies.
+pub fn counter_bytes(kernels: usize) -> u64 {
+    4 * (COUNTER_WORDS * (kernels + 1)) as u64
+}
+
 /// Counter units per px^2 of acceptance-weighted squared jump.
 pub const JUMP_SCALE: f64 = 16.0;
 
@@ -223,6 +229,7 @@ mod tests {
         assert_eq!(value("COUNTER_RAYS"), COUNTER_RAYS as f64);
         assert_eq!(value("COUNTER_JUMP_LOW"), COUNTER_JUMP_LOW as f64);
         assert_eq!(value("COUNTER_JUMP_HIGH"), COUNTER_JUMP_HIGH as f64);
+        assert_eq!(value("COUNTER_LONGEST_WAIT"), COUNTER_LONGEST_WAIT as f64);
         assert_eq!(value("FILM_SCALE"), FILM_SCALE);
         assert_eq!(value("MATERIAL_ROWS"), MATERIAL_ROWS as f64);
         let features = Features { textured: true, ..Features::default() };

@@ -8,6 +8,7 @@ pub mod run;
 pub mod scene;
 pub mod shader;
 pub mod surface;
+mod timer;
 
 /// A bind group layout of buffers for compute, in binding order; the binding `dynamic` takes an offset per dispatch.
 fn buffer_layout(

@@ -1,6 +1,6 @@
 //! A run on the device: its buffers behind bind group 1, its pipelines, and recorded dispatches.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,6 +10,7 @@ use super::layout::{PassUniform, STRATEGY_ENTRIES, WEIGHT_ENTRIES};
 use super::pipelines::{Builder, Built, Compilation};
 use super::scene::{GpuScene, SceneData};
 use super::shader::Variant;
+use super::timer::Timer;
 use crate::{Error, Result};
 
 /// Threads a workgroup, as in every pass.
@@ -57,6 +58,7 @@ pub struct Run<'a> {
     counters: wgpu::Buffer,
     staging: Option<wgpu::Buffer>,
     pipelines: HashMap<Variant, wgpu::ComputePipeline>,
+    timer: Option<Timer>,
     /// Time spent in handing work to the device and waiting for it; software drivers work in either.
     pub device_time: Duration,
 }
@@ -134,6 +136,7 @@ impl<'a> Run<'a> {
             counters,
             staging: None,
             pipelines: HashMap::new(),
+            timer: Timer::new(context),
             device_time: Duration::ZERO,
         })
     }
@@ -211,6 +214,36 @@ impl<'a> Run<'a> {
 
     /// Records and submits dispatches in order, at most 256 of them.
     pub fn submit(&mut self, dispatches: &[Dispatch]) -> Result<()> {
+        self.record(dispatches, false)
+    }
+
+    /// The same, and adds up how long they take: see [`Run::times`].
+    pub fn submit_timed(&mut self, dispatches: &[Dispatch]) -> Result<()> {
+        if self.timer.as_ref().is_some_and(|timer| !timer.has_room(dispatches.len())) {
+            self.read_stamps()?;
+        }
+        self.record(dispatches, true)
+    }
+
+    /// Seconds on the device that dispatches of [`Run::submit_timed`] took since the last call, by where they count
+    /// (`counters_offset`); waits for them. Empty where the device has no clock.
+    pub fn times(&mut self) -> Result<BTreeMap<u32, f64>> {
+        self.read_stamps()?;
+        Ok(self.timer.as_mut().map(Timer::seconds).unwrap_or_default())
+    }
+
+    fn read_stamps(&mut self) -> Result<()> {
+        let Some((stamps, waiting)) = self.timer.as_ref().map(|timer| (timer.stamps.clone(), timer.waiting())) else {
+            return Ok(());
+        };
+        if waiting > 0 {
+            let bytes = self.copy(&stamps, std::slice::from_ref(&(0..waiting)))?;
+            self.timer.iter_mut().for_each(|timer| timer.take(&bytes));
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, dispatches: &[Dispatch], timed: bool) -> Result<()> {
         assert!(dispatches.len() <= PASS_SLOTS, "{} passes in one submission", dispatches.len());
         let mut bytes = vec![0u8; dispatches.len() * PASS_STRIDE];
         for (slot, dispatch) in bytes.chunks_exact_mut(PASS_STRIDE).zip(dispatches) {
@@ -223,15 +256,24 @@ impl<'a> Run<'a> {
         }
         self.context.queue.write_buffer(&self.uniforms, 0, &bytes);
         let mut encoder = self.context.device.create_command_encoder(&Default::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&Default::default());
+        let mut timer = self.timer.as_mut().filter(|_| timed);
+        // Stamps are those of whole passes: each has the dispatches of one counter.
+        let label = |dispatch: &Dispatch| dispatch.uniform.counters_offset;
+        let stamped = timer.is_some();
+        let mut slots = 0..;
+        for part in dispatches.chunk_by(|a, b| !stamped || label(a) == label(b)) {
+            let timestamp_writes = timer.as_mut().map(|timer| timer.stamp(label(&part[0])));
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
             pass.set_bind_group(0, &self.scene.group, &[]);
-            for (i, dispatch) in dispatches.iter().enumerate() {
+            for (dispatch, i) in part.iter().zip(&mut slots) {
                 let [x, y] = workgroups(dispatch.uniform.entries);
                 pass.set_pipeline(&self.pipelines[&dispatch.variant]);
                 pass.set_bind_group(1, &self.group, &[(i * PASS_STRIDE) as u32]);
                 pass.dispatch_workgroups(x, y, 1);
             }
+        }
+        if let Some(timer) = timer {
+            timer.resolve(&mut encoder);
         }
         self.hand_over(encoder);
         self.context.check()
@@ -276,6 +318,11 @@ impl<'a> Run<'a> {
 
     /// Waits for all work, then copies byte ranges of a buffer, one after another.
     pub fn read_ranges(&mut self, buffer: Buffer, ranges: &[Range<u64>]) -> Result<Vec<u8>> {
+        let source = self.buffer(buffer).clone();
+        self.copy(&source, ranges)
+    }
+
+    fn copy(&mut self, source: &wgpu::Buffer, ranges: &[Range<u64>]) -> Result<Vec<u8>> {
         let total: u64 = ranges.iter().map(|r| r.end - r.start).sum();
         let device = &self.context.device;
         if self.staging.as_ref().is_none_or(|s| s.size() < total) {
@@ -291,7 +338,7 @@ impl<'a> Run<'a> {
         let mut at = 0;
         for range in ranges {
             let size = range.end - range.start;
-            encoder.copy_buffer_to_buffer(self.buffer(buffer), range.start, &staging, at, size);
+            encoder.copy_buffer_to_buffer(source, range.start, &staging, at, size);
             at += size;
         }
         self.hand_over(encoder);

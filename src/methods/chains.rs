@@ -19,7 +19,7 @@ use crate::ensemble::sweep::{Build, Ensemble, list_words};
 use crate::ensemble::type_shares;
 use crate::film::layers::Layers;
 use crate::gpu::context::Context;
-use crate::gpu::layout::{COUNTER_WORDS, chain_rows};
+use crate::gpu::layout::{chain_rows, counter_bytes};
 use crate::gpu::pipelines::{Built, Compilation};
 use crate::gpu::run::{Buffer, PASS_SLOTS, Run, Sizes};
 use crate::gpu::scene::GpuScene;
@@ -113,7 +113,7 @@ impl<'a> Chains<'a> {
             chains: 16 * chain_rows(settings.max_depth) as u64 * u64::from(settings.ensemble),
             lists: 4 * list_words(settings.ensemble, BATCH),
             output: film_bytes(settings, groups.count(), if counted { kernels } else { 0 }).max(BATCH_BYTES),
-            counters: 4 * (COUNTER_WORDS * kernels) as u64,
+            counters: counter_bytes(kernels),
         };
         let start = Start {
             features,
@@ -304,6 +304,9 @@ impl Part for Chains<'_> {
             statistics.b = Some(ensemble.b());
             statistics.types = ensemble.types().statistics();
             statistics.notes.extend(type_shares::warnings(&statistics.types).into_iter().take(MOST_WARNINGS));
+            let mixing = ensemble.mixing(self.pixels());
+            statistics.notes.extend(mixing.warnings());
+            statistics.mixing = Some(mixing);
         }
         statistics
     }

@@ -5,7 +5,8 @@ use crate::methods::{Method, Settings};
 use crate::report::statistics::Statistics;
 use crate::scene::Scene;
 
-/// Header attributes of a finished render: counts and seeds as numbers, times in seconds, b in radiance.
+/// Header attributes of a finished render: counts and seeds as numbers, times in seconds (of autocorrelation in mutations),
+/// b in radiance.
 pub fn attributes(scene: &Scene, settings: &Settings, statistics: &Statistics) -> Vec<(String, Attribute)> {
     let samples = if settings.method == Method::Pt { "samples" } else { "mutations" };
     let mut list: Vec<(&str, Attribute)> = vec![
@@ -40,6 +41,15 @@ pub fn attributes(scene: &Scene, settings: &Settings, statistics: &Statistics) -
         list.push(("filmMean", error.film.into()));
         list.push(("filmMeanStandardError", error.film_error.into()));
     }
+    if let Some(mixing) = &statistics.mixing {
+        list.push(("longestWait", (mixing.longest_wait as f64).into()));
+        list.extend(mixing.memory.map(|mutations| ("autocorrelationTime", mutations.into())));
+        list.extend(mixing.effective.map(|samples| ("effectiveSamples", samples.into())));
+        if let Some([log_i, edges]) = mixing.r_hat {
+            list.push(("rHatLogI", log_i.into()));
+            list.push(("rHatEdges", edges.into()));
+        }
+    }
     if !statistics.kernels.is_empty() {
         list.push(("ensemble", f64::from(settings.ensemble).into()));
         list.push(("groups", f64::from(statistics.error.map_or(1, |error| error.groups)).into()));
@@ -65,6 +75,7 @@ fn kernel_mix(statistics: &Statistics) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ensemble::mixing::MixingStatistics;
     use crate::film::{Image, exr};
     use crate::report::statistics::KernelStatistics;
     use crate::scene::Lens;
@@ -81,6 +92,12 @@ mod tests {
             b: Some((0.5, 0.01)),
             direct_samples: 50,
             kernels: vec![kernel("lens", 100), kernel("bidirectional", 300)],
+            mixing: Some(MixingStatistics {
+                longest_wait: 70,
+                effective: Some(5.5),
+                r_hat: Some([1.5, 1.25]),
+                ..Default::default()
+            }),
             ..Default::default()
         };
         let scene = Scene { name: "box".into(), ..Default::default() };
@@ -93,6 +110,9 @@ mod tests {
         assert_eq!(value(&list, "twoStage"), Some(&0.5.into()));
         assert_eq!(value(&list, "bStandardError"), Some(&0.01.into()));
         assert_eq!(value(&list, "kernelMix"), Some(&"lens 0.250, bidirectional 0.750".into()));
+        let mixing = [("longestWait", 70.0), ("effectiveSamples", 5.5), ("rHatLogI", 1.5), ("rHatEdges", 1.25)];
+        assert!(mixing.iter().all(|(name, number)| value(&list, name) == Some(&(*number).into())));
+        assert_eq!(value(&list, "autocorrelationTime"), None);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The figures a render ends with.
 
+use crate::ensemble::mixing::MixingStatistics;
 use crate::ensemble::type_shares::TypeStatistics;
 use crate::film::uncertainty::{Uncertainty, Y};
 
@@ -14,6 +15,9 @@ pub struct KernelStatistics {
     pub non_finite: u64,
     /// Mean of acceptance times squared pixel distance, per mutation, in px^2.
     pub mean_squared_jump_px2: f64,
+    /// What its mutations took on the device's own clock, work that is done for the kernel alone included; none where
+    /// the device has no clock.
+    pub device_s: Option<f64>,
 }
 
 /// How far the image may be from the truth, by its own account (docs/METHOD.md 5.10, film::uncertainty).
@@ -64,6 +68,8 @@ pub struct Statistics {
     pub error: Option<ErrorStatistics>,
     /// How the light is shared among types of paths, the largest share first; empty for pt.
     pub types: Vec<TypeStatistics>,
+    /// How well the chains mix; none for pt.
+    pub mixing: Option<MixingStatistics>,
     /// Total splatted luminance (over w of a two-stage target) over mutations, minus one; none for pt.
     pub integrity: Option<f64>,
     /// Loading and building the scene on the device.

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use super::statistics::{ErrorStatistics, KernelStatistics, Statistics};
+use crate::ensemble::mixing::MixingStatistics;
 use crate::methods::Method;
 
 /// Everything the table shows; print it with `{}` (several lines, each ended by a line feed).
@@ -65,6 +66,11 @@ impl Display for Summary<'_> {
                 ),
             )?;
         }
+        if let Some(mixing) = &s.mixing {
+            for (name, text) in mixing_rows(mixing) {
+                row(name, text)?;
+            }
+        }
         if let Some(integrity) = s.integrity {
             row("integrity", format!("{integrity:+.1e} (splatted luminance over mutations, minus 1)"))?;
         }
@@ -107,6 +113,43 @@ fn error_row(error: &ErrorStatistics) -> String {
     format!("{pixels} a pixel, {tiles} of 8x8 tiles, {by}; film mean {:.6}, 95 % in {low:.6} to {high:.6}", error.film)
 }
 
+/// How well chains mix, in words.
+pub fn mixing_rows(mixing: &MixingStatistics) -> Vec<(&'static str, String)> {
+    let MixingStatistics { mutations, longest_wait, waiting_type, memory, effective, groups, r_hat, .. } = mixing;
+    let mut rows = Vec::new();
+    if let Some(effective) = effective {
+        let each = effective / f64::from(mixing.paths.max(1));
+        let memory = match memory {
+            Some(memory) => format!("for {}", grouped(memory.round() as u64)),
+            // What paths have shown of their memory, all of which they are too short to show.
+            None => format!("for {} or more", grouped((mutations / each).round() as u64)),
+        };
+        rows.push((
+            "mixing",
+            format!(
+                "log I is remembered {memory} mutations: {each:.1} effective samples a path, {} in all",
+                grouped(effective.round() as u64)
+            ),
+        ));
+    }
+    if let Some([log_i, edges]) = r_hat {
+        rows.push((
+            "agreement",
+            format!("nested R-hat of {groups} groups {log_i:.3} for log I, {edges:.3} for lengths of paths"),
+        ));
+    }
+    rows.push((
+        "waits",
+        format!(
+            "{} mutations at most without a move, of about {} that each path makes, by a path {waiting_type}; {:.2} % of the paths stand still",
+            grouped(*longest_wait),
+            grouped(mutations.round() as u64),
+            100.0 * mixing.still
+        ),
+    ));
+    rows
+}
+
 /// A share with two digits or more.
 pub fn percent(share: f64) -> String {
     if share < 0.1 { format!("{:.2} %", 100.0 * share) } else { format!("{:.1} %", 100.0 * share) }
@@ -118,14 +161,19 @@ fn kernel_table(f: &mut Formatter<'_>, kernels: &[KernelStatistics]) -> fmt::Res
         return Ok(());
     }
     let width = kernels.iter().map(|k| k.name.chars().count()).max().unwrap_or(0).max("kernel".len());
-    writeln!(f, "{:<width$}  {:>15}  {:>9}  {:>19}", "kernel", "mutations", "accepted", "mean sq. jump, px^2")?;
+    writeln!(
+        f,
+        "{:<width$}  {:>15}  {:>9}  {:>19}  {:>9}",
+        "kernel", "mutations", "accepted", "mean sq. jump, px^2", "million/s"
+    )?;
     for k in kernels {
         let accepted = match k.mutations {
             0 => "-".to_string(),
             n => format!("{:.2} %", 100.0 * k.accepted as f64 / n as f64),
         };
         let (mutations, jump) = (grouped(k.mutations), k.mean_squared_jump_px2);
-        writeln!(f, "{:<width$}  {mutations:>15}  {accepted:>9}  {jump:>19.3}", k.name)?;
+        let rate = k.device_s.map_or("-".to_string(), |s| format!("{:.3}", k.mutations as f64 / s / 1e6));
+        writeln!(f, "{:<width$}  {mutations:>15}  {accepted:>9}  {jump:>19.3}  {rate:>9}", k.name)?;
     }
     Ok(())
 }
@@ -171,7 +219,8 @@ mod tests {
 
     fn kernel(name: &str, accepted: u64, non_finite: u64) -> KernelStatistics {
         let name = name.into();
-        KernelStatistics { name, mutations: 10_000_000, accepted, non_finite, mean_squared_jump_px2: 12.5 }
+        let device_s = (accepted > 1_000_000).then_some(8.0);
+        KernelStatistics { name, mutations: 10_000_000, accepted, non_finite, mean_squared_jump_px2: 12.5, device_s }
     }
 
     #[test]
@@ -213,6 +262,19 @@ mod tests {
                 chains: 0.034,
                 chains_error: 0.003,
             }],
+            mixing: Some(MixingStatistics {
+                mutations: 1220.7,
+                paths: 16384,
+                longest_wait: 1034,
+                waiting_type: "L S D E".into(),
+                memory: Some(86.4),
+                effective: Some(231_424.0),
+                groups: 8,
+                r_hat: Some([1.0034, 1.0009]),
+                r_hat_limit: 1.02,
+                still: 0.0012,
+                pixels: 320_000,
+            }),
             integrity: Some(-2.5e-7),
             setup_s: 0.1,
             compile_s: 3.25,
@@ -238,6 +300,9 @@ rays        120,000,000, 2.892 million per second
 b           0.250000 +- 0.40 %, direct light not counted
 error       21.3 % a pixel, 3.21 % of 8x8 tiles, by the scatter of 8 groups; film mean 0.250000, 95 % in 0.248000 to 0.252000
 types       1 hold 0.1 % of the light or more; chains and start differ by 1.2 standard errors at most (L S D E)
+mixing      log I is remembered for 86 mutations: 14.1 effective samples a path, 231,424 in all
+agreement   nested R-hat of 8 groups 1.003 for log I, 1.001 for lengths of paths
+waits       1,034 mutations at most without a move, of about 1,221 that each path makes, by a path L S D E; 0.12 % of the paths stand still
 integrity   -2.5e-7 (splatted luminance over mutations, minus 1)
 non-finite  proposals, all rejected: 3 in lens
 host        1.2 % of the rendering time
@@ -247,9 +312,9 @@ interrupted the image is as it stood when the render was asked to stop
 note        The glass is thin.
 written     box.exr
 written     box.png
-kernel               mutations   accepted  mean sq. jump, px^2
-bidirectional       10,000,000    10.00 %               12.500
-lens                10,000,000    42.00 %               12.500
+kernel               mutations   accepted  mean sq. jump, px^2  million/s
+bidirectional       10,000,000    10.00 %               12.500          -
+lens                10,000,000    42.00 %               12.500      1.250
 ";
         assert_eq!(summary.to_string(), expected);
     }

@@ -7,7 +7,7 @@ use super::display::grid;
 use super::slot::Slot;
 use crate::kernels;
 use crate::methods::Method;
-use crate::report::summary::{grouped, million_per_second, peak_memory_bytes};
+use crate::report::summary::{grouped, million_per_second, mixing_rows, peak_memory_bytes};
 
 /// Between the rows and columns of figures.
 const TIGHT: [f32; 2] = [12.0, 2.0];
@@ -98,6 +98,9 @@ fn figures(ui: &mut Ui, number: usize, slot: &Slot) {
         if let Some(last) = slot.errors.last() {
             row("relMSE", format!("{:.4} a pixel, {:.4} of 4x4", last.rel_mse, last.rel_mse_blocks));
         }
+        for (name, text) in s.mixing.iter().flat_map(mixing_rows) {
+            row(name, text);
+        }
         row("time", format!("{:.1} s, and {:.1} s to start", s.render_s, s.setup_s + s.compile_s + s.seeding_s));
         row("device", s.device.clone());
     });
@@ -112,12 +115,13 @@ fn kernel_table(ui: &mut Ui, number: usize, slot: &Slot) {
         return;
     }
     let total: u64 = kernels.iter().map(|k| k.mutations).sum();
-    Grid::new(("kernels", number)).num_columns(4).striped(true).spacing(TIGHT).show(ui, |ui| {
+    Grid::new(("kernels", number)).num_columns(5).striped(true).spacing(TIGHT).show(ui, |ui| {
         ui.strong("kernel");
         for (title, hint) in [
             ("share", "of all mutations"),
             ("accepted", "of its own mutations"),
             ("jump, px\u{b2}", "mean squared jump on the film"),
+            ("million/s", "mutations, by the device's clock"),
         ] {
             figure(ui, RichText::new(title).strong()).on_hover_text(hint);
         }
@@ -128,6 +132,7 @@ fn kernel_table(ui: &mut Ui, number: usize, slot: &Slot) {
             figure(ui, format!("{:.1} %", percent(k.mutations, total)));
             figure(ui, format!("{:.1} %", percent(k.accepted, k.mutations)));
             figure(ui, format!("{:.1}", k.mean_squared_jump_px2));
+            figure(ui, k.device_s.map_or("-".into(), |s| format!("{:.2}", k.mutations as f64 / s / 1e6)));
             ui.end_row();
         }
     });

@@ -9,7 +9,7 @@ use emlt::ensemble::guidance::Guidance;
 use emlt::ensemble::mix::Mix;
 use emlt::ensemble::sweep::{Ensemble, list_words};
 use emlt::gpu::context::Context;
-use emlt::gpu::layout::{COUNTER_WORDS, chain_rows, row_guide};
+use emlt::gpu::layout::{chain_rows, counter_bytes, row_guide};
 use emlt::gpu::run::{Buffer, Run, Sizes};
 use emlt::gpu::scene::SceneData;
 use emlt::scene::Features;
@@ -43,7 +43,7 @@ fn render(context: &Context, groups: Groups, changed: bool) -> Left {
         chains: 16 * chain_rows(MAX_EDGES) as u64 * u64::from(PATHS),
         lists: 4 * list_words(PATHS, BATCH),
         output: BATCH_BYTES.max(layer * u64::from(COUNT)),
-        counters: 4 * (COUNTER_WORDS * mix.kernels().len()) as u64,
+        counters: counter_bytes(mix.kernels().len()),
     };
     let mut run = Run::new(context, &data, sizes).unwrap();
     let start = Start {

@@ -15,6 +15,7 @@ mod groups;
 mod invariance;
 mod lens;
 mod mitsuba;
+mod mixing;
 mod options;
 mod renders;
 mod repetition;

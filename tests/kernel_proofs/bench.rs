@@ -42,6 +42,9 @@ pub struct Record {
 
 pub struct Bench<'a> {
     pub run: Run<'a>,
+    pub data: SceneData,
+    /// What `list` and `cut_list` have put on the device last.
+    pub lists: Vec<u32>,
     pub features: Features,
     pub bootstrap: Bootstrap,
     pub guides: Pool,
@@ -70,7 +73,7 @@ impl<'a> Bench<'a> {
         };
         let mut run = Run::new(context, &data, sizes).unwrap();
         let bootstrap = start(features, 1).run(&mut run).unwrap().unwrap();
-        let mut bench = Self { run, features, bootstrap, guides: Pool::default() };
+        let mut bench = Self { run, data, lists: vec![], features, bootstrap, guides: Pool::default() };
         bench.guides = bench.pool(HALF, HALF);
         bench
     }
@@ -126,6 +129,7 @@ impl<'a> Bench<'a> {
         let order: Vec<u32> = guides.order.iter().flat_map(|&path| [path, 0]).collect();
         self.gather(&order, guides_first);
         self.run.set_lists(&words);
+        self.lists = words;
         let uniform = PassUniform {
             seed: SEED,
             stride: COLUMNS,
@@ -145,6 +149,7 @@ impl<'a> Bench<'a> {
         let random = |path, dimension| rng::random_words(SEED, path, pass_index, dimension);
         let list = CutList::draw([(&moving, &self.guides, HALF)], random, 1..=MAX_EDGES);
         self.run.set_lists(&list.words);
+        self.lists = list.words.clone();
         (self.cut_uniform(list.entries.len()), list)
     }
 

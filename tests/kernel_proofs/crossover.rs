@@ -40,6 +40,13 @@ fn cross(bench: &mut Bench, pairs: &[Pair], flags: &[&'static str], pass_index: 
     bench.run.submit(&dispatches).unwrap();
 }
 
+/// One crossover of every path that can have one; returns those.
+pub fn cross_once(bench: &mut Bench, pass_index: u32) -> Vec<u32> {
+    let list = pair_list(bench, HALF, pass_index, 7919 * pass_index);
+    cross(bench, &list.pairs, &[], pass_index);
+    list.pairs.iter().flat_map(|pair| pair.paths).collect()
+}
+
 /// Ways to get P(cut) wrong.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Cut {

@@ -1,9 +1,9 @@
 //! The crossover's part of a half-sweep: it moves both halves, the frozen one between two spells of being frozen.
 
-use super::Ensemble;
+use super::{Ensemble, counters_of};
 use crate::Result;
 use crate::ensemble::crossings::{PairList, Partners};
-use crate::gpu::layout::{COUNTER_WORDS, PassUniform};
+use crate::gpu::layout::PassUniform;
 use crate::gpu::run::{Dispatch, Run};
 use crate::reference::rng;
 
@@ -24,11 +24,8 @@ impl Ensemble {
         let list = PairList::draw(groups, random, self.build.min_edges..=self.build.max_edges);
         run.set_lists(&list.words);
         let pairs = list.pairs.len() as u32;
-        let base = PassUniform {
-            pass_index: self.pass_index,
-            counters_offset: (kernel * COUNTER_WORDS) as u32,
-            ..self.build.uniform()
-        };
+        let base =
+            PassUniform { pass_index: self.pass_index, counters_offset: counters_of(kernel), ..self.build.uniform() };
         let dispatches = [
             ("crossover", PassUniform { entries: 2 * pairs, ..base }),
             ("exchange", PassUniform { entries: pairs, ..base }),
@@ -42,7 +39,7 @@ impl Ensemble {
         // A mutation of either path; without a crossing, one that fails at once.
         self.tallies[kernel].mutations += 2 * u64::from(self.build.groups.half_paths());
         self.pass_index += 1;
-        run.submit(&dispatches)?;
+        run.submit_timed(&dispatches)?;
         let rows = self.read_key_rows(run, 1 - half)?;
         self.halves[1 - half] = self.groups_of(&rows, 1 - half)?;
         self.freeze(run, 1 - half)
