@@ -19,7 +19,7 @@ pub struct SceneUniform {
     pub light_weight: f32,
     pub lights_offset: u32,
     pub triangle_count: u32,
-    pub padding: u32,
+    pub zero: u32,
 }
 
 /// Twin of `PassUniform` in shaders/layout/run.wesl.
@@ -166,7 +166,7 @@ mod tests {
             light_weight,
             lights_offset,
             triangle_count,
-            padding,
+            zero,
         );
         same_layout!(
             &lens,

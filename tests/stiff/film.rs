@@ -3,9 +3,14 @@
 use emlt::gpu::context::Context;
 use emlt::gpu::layout::{FILM_SCALE, PassUniform, ROW_COLOUR};
 use emlt::gpu::run::Buffer;
+use emlt::methods::{Method, Settings};
+use emlt::scene::Scene;
+use glam::{Vec3, vec3};
 
 use super::bench::Bench;
 use super::furnaces::{EDGES, box_furnace};
+use super::renders::{render, settings};
+use super::shapes::{camera, matt, quad};
 
 const PATHS: u32 = 1 << 15;
 
@@ -56,4 +61,25 @@ fn a_billion_splats_in_one_pixel() {
         println!("channel {c}: {added} units of weights below one, {expected:.0} expected, +- {deviation:.0}");
         assert!((added - expected).abs() < 5.0 * deviation, "channel {c}: {added}, {expected} expected");
     }
+}
+
+/// Path tracing sums in f32 with the rounding kept (Kahan 1965), which drivers must not optimise away: 16,384 samples of one
+/// and the same value have that mean. A plain sum is off by 1e-4 here, and stalls at 2^24 of them.
+#[test]
+fn a_long_path_tracing_does_not_drift() {
+    const SAMPLES: u32 = 1 << 14;
+    let glow = vec3(0.1, 0.7, 1.3);
+    let mut scene = Scene {
+        name: "glow".into(),
+        materials: vec![matt(Vec3::ZERO, glow)],
+        cameras: vec![camera(Vec3::Z, Vec3::ZERO, 50.0)],
+        ..Scene::default()
+    };
+    quad(&mut scene, vec3(-1.0, -1.0, 0.0), 2.0 * Vec3::X, 2.0 * Vec3::Y, 0);
+    let settings = Settings { max_depth: EDGES, ..settings(Method::Pt, [4, 4], SAMPLES) };
+    let image = render(&scene, &settings).image;
+    let off = |p: &[f32; 3]| (Vec3::from(*p).as_dvec3() / glow.as_dvec3() - 1.0).abs().max_element();
+    let worst = image.pixels.iter().map(off).fold(0.0, f64::max);
+    println!("{SAMPLES} samples of one value: mean off by {worst:.1e}");
+    assert!(worst < 2e-7, "{worst}");
 }
