@@ -5,6 +5,7 @@ use emlt::film::Image;
 use emlt::methods::Method::{Emlt, Mlt, Pt};
 use emlt::methods::Settings;
 use emlt::scene::Scene;
+use emlt::scene::light::Environment;
 use glam::{Vec3, vec3};
 
 use super::comparison::{Power, Truth, check};
@@ -21,7 +22,8 @@ fn grazing_angles() {
         name: "grazing angles".into(),
         materials: vec![matt(ALBEDO, Vec3::ZERO)],
         cameras: vec![camera(eye, eye - vec3(0.0, tangent, 1.0), 0.06)],
-        sky: Some(Vec3::ONE),
+        // A map, so that the shaders are those of the sun's tests.
+        environment: Some(Environment { width: 2, height: 1, pixels: vec![[1.0; 3]; 2] }),
         ..Scene::default()
     };
     quad(&mut scene, vec3(-1.0, 0.0, -1.0), 2.0 * Vec3::Z, 2.0 * Vec3::X, 0);

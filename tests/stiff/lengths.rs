@@ -12,7 +12,7 @@ use super::comparison::LEVEL;
 use super::furnaces::{EMISSION, box_furnace};
 
 const LONGEST: u32 = 31;
-const COUNT: u32 = 1 << 20;
+const COUNT: u32 = 1 << 18;
 
 #[test]
 fn the_longest_paths_neither_overflow_nor_underflow() {

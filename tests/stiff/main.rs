@@ -9,6 +9,7 @@
 #[path = "../images/comparison.rs"]
 mod comparison;
 #[path = "../images/renders.rs"]
+#[allow(dead_code)]
 mod renders;
 #[path = "../images/tiles.rs"]
 mod tiles;

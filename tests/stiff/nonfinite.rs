@@ -2,22 +2,19 @@
 
 use emlt::methods::Method::{Emlt, Mlt, Pt};
 use emlt::methods::{Outcome, Settings};
-use emlt::scene::{Material, Scene};
+use emlt::scene::Scene;
 use glam::{Vec3, vec3};
 
 use super::furnaces::{EDGES, box_furnace};
 use super::renders::{render_unchecked, settings};
-use super::shapes::cuboid;
+use super::shapes::{cuboid, matt};
 
 const FILM: [u32; 2] = [16, 12];
 
-/// The furnace with a block in it whose scattering is not a number: its `specular` is none, which no file can have. Or, for
-/// comparison, black.
+/// The furnace with a block in it whose red albedo is not a number, which no file can have. Or, for comparison, black.
 fn poisoned(nan: bool) -> Scene {
     let mut scene = box_furnace();
-    let [specular, metallic] = if nan { [f32::NAN, 0.5] } else { [0.0, 0.0] };
-    let base_color = if nan { Vec3::ONE } else { Vec3::ZERO };
-    scene.materials.push(Material { specular, metallic, base_color, ..Material::default() });
+    scene.materials.push(matt(if nan { vec3(f32::NAN, 0.5, 0.5) } else { Vec3::ZERO }, Vec3::ZERO));
     cuboid(&mut scene, vec3(-0.5, 0.4, -0.9), vec3(0.1, 1.0, -0.3), false, 1);
     scene
 }

@@ -38,7 +38,7 @@ fn bent(scene: &mut Scene, corner: Vec3, across: Vec3, up: Vec3, n: u32, most: f
 }
 
 /// A closed room of bumpy walls with a lamp and a bumpy mirror.
-fn room(degrees: f32) -> Scene {
+pub fn room(degrees: f32) -> Scene {
     let mirror = Material { base_color: vec3(0.95, 0.9, 0.8), roughness: 0.0, ..Material::default() };
     let mut scene = Scene {
         name: format!("bent normals at {degrees} degrees"),
@@ -78,7 +78,8 @@ fn check_room(degrees: f32) {
 }
 
 #[test]
-fn bent_normals() {
+#[ignore = "the wide camera sees as much; ./run test --long"]
+fn long_bent_normals() {
     check_room(60.0);
 }
 

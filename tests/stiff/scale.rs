@@ -7,13 +7,14 @@ use emlt::scene::Scene;
 
 use super::comparison::{Power, Truth, check};
 use super::furnaces::EDGES;
-use super::renders::{render, replicates, scene, settings};
+use super::normals::room;
+use super::renders::{render, replicates, settings};
 
 const FILM: [u32; 2] = [16, 12];
 
-/// Metal, glass and coloured walls, in units `factor` times as small.
+/// Coloured walls and a mirror, `factor` times as large.
 fn scaled(factor: f32) -> Scene {
-    let mut scene = scene("tests/scenes/coloured_box.glb");
+    let mut scene = room(60.0);
     scene.positions.iter_mut().for_each(|p| *p *= factor);
     scene.cameras.iter_mut().for_each(|c| c.world_from_camera.translation *= factor);
     scene
@@ -40,7 +41,8 @@ fn scenes_of_any_size_give_the_same_bits() {
 /// By 1e-4 and 1e6, positions are rounded otherwise in their last bit, and the search tree may order triangles otherwise, so
 /// that other random numbers choose them: the same image but for noise.
 #[test]
-fn scenes_of_any_size_give_the_same_image() {
+#[ignore = "takes a minute; ./run test --long"]
+fn long_scenes_of_any_size_give_the_same_image() {
     let base = |method, samples| Settings { max_depth: EDGES, candidates: 1 << 16, ..settings(method, FILM, samples) };
     let Outcome { image, channels, .. } = render(&scaled(1.0), &base(Pt, 2048));
     let pixels = (0..image.pixels.len()).map(|i| [0, 1, 2].map(|c| channels[c].values[i])).collect();
