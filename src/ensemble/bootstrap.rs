@@ -68,6 +68,12 @@ pub struct Candidate {
     padding: [u32; 2],
 }
 
+/// From the log of a weight to the weight; what is not finite counts as black.
+pub(super) fn weight(log_weight: f64) -> f64 {
+    let w = log_weight.exp();
+    if w.is_finite() { w } else { 0.0 }
+}
+
 /// Bytes of the output buffer that a batch needs.
 pub const BATCH_BYTES: u64 = BATCH as u64 * size_of::<Candidate>() as u64;
 
@@ -79,8 +85,7 @@ impl Candidate {
 
     /// I / density: a sample of b.
     pub fn weight(&self) -> f64 {
-        let w = f64::from(self.log_weight).exp();
-        if w.is_finite() { w } else { 0.0 }
+        weight(self.log_weight.into())
     }
 }
 
@@ -95,6 +100,8 @@ pub struct Bootstrap {
     pub rays: u64,
     /// Largest share of one candidate in what the seeds are drawn by: above 1/100 the seeds are many copies of one path.
     pub largest_share: f64,
+    /// Candidates whose weight is not finite.
+    pub non_finite: usize,
     /// Whether groups share candidates, of which hardly any carry light.
     pub shared: bool,
     /// How the target is shared among types of paths, as the candidates have it.
@@ -236,11 +243,12 @@ impl Start {
         let weights: Vec<f64> = candidates.iter().map(|c| c.weight() / counts(c.pixel)).collect();
         let mut target = Mean::default();
         weights.iter().for_each(|w| target.add(*w));
+        let non_finite = candidates.iter().filter(|c| !f64::from(c.log_weight).exp().is_finite()).count();
         let largest_share = weights.iter().copied().fold(0.0, f64::max) / target.sum;
         let types = TypeShares::of_start(candidates.iter().map(|c| c.key).zip(weights.iter().copied()));
         let (chosen, shared) = self.choose(&candidates, &weights);
         self.fill(run, &list, &chosen)?;
-        Ok(Some(Bootstrap { strategies, b, target, pixel_weights, rays, largest_share, shared, types }))
+        Ok(Some(Bootstrap { strategies, b, target, pixel_weights, rays, largest_share, non_finite, shared, types }))
     }
 
     /// Makes `count` candidates, with their strategies; systematic over strategies, so neighbours share one.

@@ -11,7 +11,7 @@ mod tallies;
 
 use std::collections::VecDeque;
 
-use super::bootstrap::{Bootstrap, Mean};
+use super::bootstrap::{Bootstrap, Mean, weight};
 pub use super::build::{Build, list_words};
 use super::cuts::CutList;
 use super::groups::Group;
@@ -175,8 +175,8 @@ impl Ensemble {
             for row in &rows {
                 let log_weight = f64::from(f32::from_bits(row[3]));
                 let log_w = if self.build.two_stage { f64::from(f32::from_bits(row[2])) } else { 0.0 };
-                self.b.add(log_weight.exp());
-                self.target.add((log_weight - log_w).exp());
+                self.b.add(weight(log_weight));
+                self.target.add(weight(log_weight - log_w));
             }
         }
         Ok(())

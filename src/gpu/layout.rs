@@ -55,10 +55,12 @@ pub const STRATEGY_ENTRIES: usize = 1024;
 pub const WEIGHT_TILES: u32 = 32;
 pub const WEIGHT_ENTRIES: usize = 1024;
 
-/// Rows of the chain state before the vertices (`ROW_VERTICES`; one is the lens's), and the row of the type key (`ROW_KEY`).
+/// Rows of the chain state before the vertices (`ROW_VERTICES`; one is the lens's), and the rows of the type key (`ROW_KEY`),
+/// of the pixel and of the colour.
 pub const ROW_VERTICES: usize = 5;
 pub const ROW_KEY: usize = 3;
 pub const ROW_PIXEL: usize = 0;
+pub const ROW_COLOUR: usize = 1;
 
 /// Rows of a crossover's record, which lies where guides do (`ROW_RECORD`).
 const RECORD_ROWS: usize = 4;
@@ -224,6 +226,8 @@ mod tests {
         assert_eq!(value("ROW_VERTICES"), ROW_VERTICES as f64);
         assert_eq!(value("ROW_KEY"), ROW_KEY as f64);
         assert_eq!(value("COUNTER_WORDS"), COUNTER_WORDS as f64);
+        assert_eq!(value("ROW_PIXEL"), ROW_PIXEL as f64);
+        assert_eq!(value("ROW_COLOUR"), ROW_COLOUR as f64);
         assert_eq!(value("COUNTER_ACCEPTED"), COUNTER_ACCEPTED as f64);
         assert_eq!(value("COUNTER_NON_FINITE"), COUNTER_NON_FINITE as f64);
         assert_eq!(value("COUNTER_RAYS"), COUNTER_RAYS as f64);

@@ -177,6 +177,10 @@ impl<'a> Chains<'a> {
                 100.0 * bootstrap.largest_share
             ));
         }
+        if bootstrap.non_finite > 0 {
+            let n = bootstrap.non_finite;
+            self.statistics.notes.push(format!("{n} start candidates were not finite and count as black"));
+        }
         if bootstrap.shared {
             self.statistics.notes.push(
                 "hardly any start candidates carry light, so that groups had to share them: the stated error is too small"
