@@ -32,9 +32,9 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR", default_value = "scenes")]
     scenes: PathBuf,
 
-    /// Image size in pixels; where the repository has a reference of that size, it is used
-    #[arg(long, value_name = "WxH", value_parser = parse_size, default_value = "96x72")]
-    size: (u32, u32),
+    /// Image size in pixels; where the repository has a reference of that size, it is used [default: the study's own]
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<(u32, u32)>,
 
     /// Mutations (pt: samples) per pixel of each run [default: the study's own]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
@@ -52,9 +52,9 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(..=1_000_000_000))]
     first_seed: u32,
 
-    /// Mutations per pixel of references that have to be rendered
-    #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(2..))]
-    reference_spp: u32,
+    /// Mutations per pixel of references that have to be rendered [default: the study's own]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
+    reference_spp: Option<u32>,
 
     /// Device by a part of its name [default: the fastest kind there is]
     #[arg(long, value_name = "NAME")]
@@ -124,10 +124,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let asked = Asked {
         scenes,
         scene_folder: arguments.scenes.clone(),
-        size: arguments.size.into(),
+        size: arguments.size.map_or(defaults.size, Into::into),
         budget,
         seeds: (first..first + arguments.seeds.unwrap_or(defaults.seeds)).collect(),
-        reference_spp: arguments.reference_spp,
+        reference_spp: arguments.reference_spp.unwrap_or(defaults.reference_spp),
         device: arguments.device.clone(),
         out: arguments.output.clone().unwrap_or_else(|| format!("study-{}", study.name).into()),
         command_line: command_line(),

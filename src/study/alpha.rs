@@ -12,7 +12,13 @@ use crate::methods::{Budget, Method};
 pub const STUDY: Study = Study {
     name: "alpha",
     about: "size of guided steps: static 0.05, static 0.5, and between them by similarity (sigmoid)",
-    defaults: Defaults { scenes: &["ajar"], budget: Budget::SamplesPerPixel(256), seeds: 8 },
+    defaults: Defaults {
+        scenes: &["ajar"],
+        size: [96, 72],
+        budget: Budget::SamplesPerPixel(256),
+        seeds: 8,
+        reference_spp: 4096,
+    },
     compares: true,
     runs,
     conclude,

@@ -13,7 +13,7 @@ use crate::methods::{Budget, Method};
 pub const STUDY: Study = Study {
     name: "convergence",
     about: "error of pt, mlt and emlt against seconds and against mutations",
-    defaults: Defaults { scenes: &SCENES, budget: Budget::Seconds(5.0), seeds: 2 },
+    defaults: Defaults { scenes: &SCENES, size: [96, 72], budget: Budget::Seconds(5.0), seeds: 2, reference_spp: 2048 },
     compares: true,
     runs,
     conclude,

@@ -12,7 +12,14 @@ use crate::methods::{Budget, Method};
 pub const STUDY: Study = Study {
     name: "ensemble-size",
     about: "error by the number of paths in the ensemble, at equal numbers of mutations",
-    defaults: Defaults { scenes: &SCENES, budget: Budget::SamplesPerPixel(64), seeds: 2 },
+    // 64 mutations per pixel of this film are one whole sweep of the largest ensemble, and so many of the others.
+    defaults: Defaults {
+        scenes: &SCENES,
+        size: [160, 128],
+        budget: Budget::SamplesPerPixel(64),
+        seeds: 2,
+        reference_spp: 512,
+    },
     compares: true,
     runs,
     conclude,

@@ -13,7 +13,13 @@ use crate::methods::{Budget, Method};
 pub const STUDY: Study = Study {
     name: "maps",
     about: "mutation-direction maps of mlt and emlt",
-    defaults: Defaults { scenes: &SCENES, budget: Budget::SamplesPerPixel(256), seeds: 2 },
+    defaults: Defaults {
+        scenes: &SCENES,
+        size: [160, 120],
+        budget: Budget::SamplesPerPixel(128),
+        seeds: 2,
+        reference_spp: 0,
+    },
     compares: false,
     runs,
     conclude,

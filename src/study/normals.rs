@@ -13,7 +13,13 @@ use crate::methods::{Budget, Method};
 pub const STUDY: Study = Study {
     name: "normals",
     about: "similarity of paths by positions alone, and with normals",
-    defaults: Defaults { scenes: &["displaced_wall"], budget: Budget::SamplesPerPixel(256), seeds: 8 },
+    defaults: Defaults {
+        scenes: &["displaced_wall"],
+        size: [96, 72],
+        budget: Budget::SamplesPerPixel(256),
+        seeds: 8,
+        reference_spp: 2048,
+    },
     compares: true,
     runs,
     conclude,

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::plot::{register_fonts, text_style};
-use crate::film::png::{self, direction_color, heat, srgb_byte};
+use crate::film::png::{self, direction_color, srgb_byte};
 use crate::film::{Channel, Image};
 use crate::{Error, Result};
 
@@ -34,11 +34,6 @@ impl Picture {
         let (h, v) = (layer("Maps.Horizontal")?, layer("Maps.Vertical")?);
         let rgb = h.iter().zip(v).map(|(h, v)| direction_color(*h, *v)).collect();
         Some(Self { width: size[0], height: size[1], rgb })
-    }
-
-    /// Values from 0 (black) to 1 (pale yellow).
-    pub fn of_heat(size: [u32; 2], values: impl Iterator<Item = f64>) -> Self {
-        Self { width: size[0], height: size[1], rgb: values.map(heat).collect() }
     }
 
     fn pixel(&self, x: u32, y: u32) -> [u8; 3] {
@@ -78,7 +73,7 @@ pub struct Panel {
     pub picture: Picture,
 }
 
-/// Pixels between panels, and those of a caption.
+/// Pixels between panels, and those of captions.
 const GAP: u32 = 12;
 const CAPTION: u32 = 30;
 
@@ -93,8 +88,11 @@ pub fn write(path: &Path, rows: &[Vec<Panel>]) -> Result<()> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let widest = |c: usize| rows.iter().filter_map(|row| row.get(c)).map(|p| p.picture.width).max().unwrap_or(0);
     let widths: Vec<u32> = (0..columns).map(widest).collect();
-    let heights: Vec<u32> =
-        rows.iter().map(|row| row.iter().map(|p| p.picture.height).max().unwrap_or(0) + CAPTION).collect();
+    // A row without captions needs no place for them.
+    let captions: Vec<u32> =
+        rows.iter().map(|row| if row.iter().all(|p| p.caption.is_empty()) { 0 } else { CAPTION }).collect();
+    let highest = |row: &[Panel]| row.iter().map(|p| p.picture.height).max().unwrap_or(0);
+    let heights: Vec<u32> = rows.iter().zip(&captions).map(|(row, caption)| highest(row) + caption).collect();
     let width = widths.iter().sum::<u32>() + GAP * (columns as u32 + 1);
     let height = heights.iter().sum::<u32>() + GAP * (rows.len() as u32 + 1);
     let mut rgb = vec![255u8; 3 * (width * height) as usize];
@@ -121,7 +119,7 @@ pub fn write(path: &Path, rows: &[Vec<Panel>]) -> Result<()> {
             let (left, top) = place(r, c);
             for y in 0..picture.height {
                 for x in 0..picture.width {
-                    let at = 3 * ((top + CAPTION + y) * width + left + x) as usize;
+                    let at = 3 * ((top + captions[r] + y) * width + left + x) as usize;
                     rgb[at..at + 3].copy_from_slice(&picture.pixel(x, y));
                 }
             }

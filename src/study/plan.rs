@@ -12,8 +12,12 @@ pub const SCENES: [&str; 6] = ["cornell", "ajar", "shards", "kitchen", "displace
 /// What a study takes unless told otherwise; with these it ends in less than 10 minutes on two idle cores.
 pub struct Defaults {
     pub scenes: &'static [&'static str],
+    /// Width and height in pixels.
+    pub size: [u32; 2],
     pub budget: Budget,
     pub seeds: u32,
+    /// Mutations (by path tracing: samples) per pixel of references that have to be rendered.
+    pub reference_spp: u32,
 }
 
 /// What was asked for, defaults filled in.
@@ -27,7 +31,7 @@ pub struct Asked {
     pub size: [u32; 2],
     pub budget: Budget,
     pub seeds: Vec<u32>,
-    /// Mutations per pixel of references that the study renders.
+    /// Mutations (by path tracing: samples) per pixel of references that the study renders.
     pub reference_spp: u32,
     pub device: Option<String>,
     /// Where everything goes.

@@ -60,9 +60,9 @@ impl Verdict {
 
     fn words(self) -> &'static str {
         match self {
-            Self::Agrees => "agrees",
-            Self::Disagrees => "does not agree",
-            Self::Undecided => "cannot be decided from these runs",
+            Self::Agrees => "This study agrees.",
+            Self::Disagrees => "This study does not agree.",
+            Self::Undecided => "These runs cannot decide it.",
         }
     }
 }
@@ -177,8 +177,8 @@ impl Report {
     /// What the supplement says, whether it holds here, and by what figures and rule.
     pub fn claim(&mut self, claim: &str, verdict: Verdict, why: &str) {
         self.heading("Does it agree with the supplement?");
-        let _ = writeln!(self.text, "> {claim}\n\n**This study {}.** {why}\n", verdict.words());
-        self.said.push(format!("\"{claim}\": this study {}", verdict.words()));
+        let _ = writeln!(self.text, "> {claim}\n\n**{}** {why}\n", verdict.words());
+        self.said.push(format!("\"{claim}\" {}", verdict.words()));
     }
 
     /// Writes the page and says where it is.

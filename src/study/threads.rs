@@ -25,7 +25,13 @@ use crate::{Error, Result};
 pub const STUDY: Study = Study {
     name: "threads",
     about: "mutations (pt: samples) a second by the number of the software driver's threads",
-    defaults: Defaults { scenes: &["cornell"], budget: Budget::Seconds(5.0), seeds: 3 },
+    defaults: Defaults {
+        scenes: &["cornell"],
+        size: [160, 120],
+        budget: Budget::Seconds(5.0),
+        seeds: 3,
+        reference_spp: 0,
+    },
     compares: false,
     runs,
     conclude,

@@ -29,11 +29,7 @@ pub fn finish(plan: &Plan, quiet: bool) -> Result<(Findings, Journal)> {
     }
     let mut folder = Folder::open(plan, &context.description)?;
     let mut journal = Journal::new(&context, load());
-    let missing = plan.runs.iter().filter(|run| {
-        let file = files.iter().find(|file| file.name == run.scene);
-        file.is_some_and(|file| folder.finished(run, file.hash).is_none())
-    });
-    let missing = missing.count();
+    let missing = plan.runs.len() - done(&folder, plan, &files);
     let mut bar = Bar::new(plan.runs.len() + files.len(), quiet);
     let mut references = Vec::new();
     let mut runs = Vec::new();
@@ -41,7 +37,7 @@ pub fn finish(plan: &Plan, quiet: bool) -> Result<(Findings, Journal)> {
         let scene = file.read()?;
         let reference = if plan.study.compares {
             let found = reference(plan, &context, &folder, file, &scene, &mut bar)?;
-            let Some(found) = found else { return Err(interrupted(&folder, plan, runs.len())) };
+            let Some(found) = found else { return Err(interrupted(&folder, plan, &files)) };
             Some(found)
         } else {
             None
@@ -53,7 +49,7 @@ pub fn finish(plan: &Plan, quiet: bool) -> Result<(Findings, Journal)> {
                 let work =
                     Work { context: &context, folder: &folder, file, scene: &scene, reference: reference.as_ref() };
                 let made = work.perform(run, &mut bar).map_err(|error| named(error, run));
-                let Some(figures) = made? else { return Err(interrupted(&folder, plan, runs.len())) };
+                let Some(figures) = made? else { return Err(interrupted(&folder, plan, &files)) };
                 folder.append(run, file.hash, &figures)?;
             }
             runs.extend(folder.finished(run, file.hash));
@@ -79,9 +75,19 @@ fn named(error: Error, run: &Run) -> Error {
     }
 }
 
-fn interrupted(folder: &Folder, plan: &Plan, done: usize) -> Error {
+/// How many runs of the plan are finished.
+fn done(folder: &Folder, plan: &Plan, files: &[SceneFile]) -> usize {
+    let is_finished = |run: &&Run| {
+        let file = files.iter().find(|file| file.name == run.scene);
+        file.is_some_and(|file| folder.finished(run, file.hash).is_some())
+    };
+    plan.runs.iter().filter(is_finished).count()
+}
+
+fn interrupted(folder: &Folder, plan: &Plan, files: &[SceneFile]) -> Error {
     Error::runtime(format!(
-        "interrupted after {done} of {} runs, which are kept in {}: the same command goes on from there",
+        "interrupted after {} of {} runs, which are kept in {}: the same command goes on from there",
+        done(folder, plan, files),
         plan.runs.len(),
         folder.path.display()
     ))
