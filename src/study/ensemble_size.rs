@@ -18,7 +18,7 @@ pub const STUDY: Study = Study {
         size: [160, 128],
         budget: Budget::SamplesPerPixel(64),
         seeds: 2,
-        reference_spp: 512,
+        reference_spp: 384,
     },
     compares: true,
     runs,

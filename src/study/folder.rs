@@ -30,7 +30,7 @@ pub struct Figures {
     pub luminance: Option<f64>,
     /// Root of relMSE as the image tells it of itself.
     pub estimated_error: Option<f64>,
-    /// Accepted share of mutations by guided kernels.
+    /// Accepted share of guided lens perturbations.
     pub guided_acceptance: Option<f64>,
     /// The system's load average of the last minute.
     pub load: Option<f64>,

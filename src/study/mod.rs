@@ -103,3 +103,34 @@ pub fn perform(study: &Study, asked: Asked, quiet: bool) -> Result<Vec<String>> 
     (study.conclude)(&findings, &mut report)?;
     report.write()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    /// Runs are told apart by their key in the runs file and by their label among images.
+    #[test]
+    fn no_two_runs_of_a_study_are_alike() {
+        for study in STUDIES {
+            let defaults = &study.defaults;
+            let asked = Asked {
+                scenes: defaults.scenes.iter().map(|scene| (*scene).into()).collect(),
+                scene_folder: "scenes".into(),
+                size: defaults.size,
+                budget: defaults.budget,
+                seeds: (1..=defaults.seeds).collect(),
+                reference_spp: defaults.reference_spp,
+                device: None,
+                out: "out".into(),
+                command_line: String::new(),
+            };
+            let runs = (study.runs)(&asked).unwrap();
+            let keys: HashSet<String> = runs.iter().map(|run| run.key(1)).collect();
+            let labels: HashSet<String> = runs.iter().map(Run::label).collect();
+            assert!(!runs.is_empty() && defaults.seeds > 1, "{}", study.name);
+            assert_eq!([keys.len(), labels.len()], [runs.len(); 2], "{}", study.name);
+            assert!(keys.iter().all(|key| key.split(',').count() == plan::KEY_COLUMNS.split(',').count()));
+        }
+    }
+}

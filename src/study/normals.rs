@@ -17,7 +17,7 @@ pub const STUDY: Study = Study {
         scenes: &["displaced_wall"],
         size: [96, 72],
         budget: Budget::SamplesPerPixel(256),
-        seeds: 8,
+        seeds: 16,
         reference_spp: 2048,
     },
     compares: true,
@@ -55,7 +55,7 @@ fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
             format!("{:.1} %", 100.0 * value(|f| f.guided_acceptance)),
         ]);
     }
-    let header = ["similarity", "MSE", "relMSE", "relMSE of 4x4", "FLIP", "guided steps accepted"];
+    let header = ["similarity", "MSE", "relMSE", "relMSE of 4x4", "FLIP", "guided lens steps accepted"];
     report.table(&header, table.clone());
     report.csv("normals", &header, &table)?;
     if let Some(reference) = findings.reference(scene) {

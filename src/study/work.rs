@@ -11,6 +11,7 @@ use super::report::Journal;
 use super::{Findings, threads};
 use crate::film::{exr, flip};
 use crate::gpu::context::Context;
+use crate::kernels::guided_lens;
 use crate::methods::{Outcome, Settings, render_on};
 use crate::report::statistics::Statistics;
 use crate::scene::import::import;
@@ -236,9 +237,9 @@ impl Work<'_> {
     }
 }
 
-/// Accepted share of the mutations that guided kernels made.
+/// Accepted share of guided lens perturbations.
 fn guided_acceptance(statistics: &Statistics) -> Option<f64> {
-    let guided = || statistics.kernels.iter().filter(|kernel| kernel.name.starts_with("guided"));
+    let guided = || statistics.kernels.iter().filter(|kernel| kernel.name == guided_lens::KERNEL.name);
     let made: u64 = guided().map(|kernel| kernel.mutations).sum();
     let accepted: u64 = guided().map(|kernel| kernel.accepted).sum();
     (made > 0).then(|| accepted as f64 / made as f64)
