@@ -83,8 +83,15 @@ fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
     Ok(())
 }
 
-const HEADER: [&str; 7] =
-    ["alpha", "MSE", "relMSE", "relMSE of 4x4", "FLIP", "guided lens steps accepted", "relMSE over that of the sigmoid"];
+const HEADER: [&str; 7] = [
+    "alpha",
+    "MSE",
+    "relMSE",
+    "relMSE of 4x4",
+    "FLIP",
+    "guided lens steps accepted",
+    "relMSE over that of the sigmoid",
+];
 
 /// The film, and below it the part with the most detail, of the first seed.
 fn pictures(findings: &Findings, scene: &str, report: &mut Report) -> Result<()> {

@@ -4,6 +4,8 @@
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scale {
     Linear,
+    /// Linear over whole numbers.
+    Count,
     Log,
     /// Logarithmic, with ticks at powers of 2 and labels that write them out.
     Log2,
@@ -20,13 +22,13 @@ pub struct Axis {
 impl Axis {
     /// Holds all values that can be shown: finite, and above 0 on logarithmic scales. Without any it shows 1 to 10.
     pub fn fit(scale: Scale, values: impl Iterator<Item = f64>) -> Self {
-        let shown = values.filter(|v| v.is_finite() && (scale == Scale::Linear || *v > 0.0));
+        let shown = values.filter(|v| v.is_finite() && (matches!(scale, Scale::Linear | Scale::Count) || *v > 0.0));
         let (mut low, mut high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         if low > high {
             (low, high) = (1.0, 10.0);
         }
         match scale {
-            Scale::Linear => {
+            Scale::Linear | Scale::Count => {
                 low = low.min(0.0);
                 high = if high > low { high + 0.05 * (high - low) } else { low + 1.0 };
             }
@@ -44,7 +46,7 @@ impl Axis {
     /// Where a value lies, 0 to 1; none outside.
     pub fn place(&self, value: f64) -> Option<f64> {
         let share = match self.scale {
-            Scale::Linear => (value - self.low) / (self.high - self.low),
+            Scale::Linear | Scale::Count => (value - self.low) / (self.high - self.low),
             Scale::Log | Scale::Log2 => (value / self.low).ln() / (self.high / self.low).ln(),
         };
         // A little beyond the ends is rounding.
@@ -54,8 +56,9 @@ impl Axis {
     /// Ticks with their labels; an empty label is a tick alone.
     pub fn ticks(&self) -> Vec<(f64, String)> {
         match self.scale {
-            Scale::Linear => {
-                let raw = (self.high - self.low) / 5.0;
+            Scale::Linear | Scale::Count => {
+                let least = if self.scale == Scale::Count { 1.0 } else { 0.0 };
+                let raw = f64::max((self.high - self.low) / 5.0, least);
                 let power = 10f64.powf(raw.log10().floor());
                 let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= raw).unwrap_or(raw);
                 let first = (self.low / step).ceil() as i64;
@@ -113,9 +116,11 @@ mod tests {
         assert_eq!(labels(&log), ["0.02", "0.05", "0.1", "0.2", "0.5"]);
         let wide = Axis::fit(Scale::Log, [0.01, 30.0].into_iter());
         assert_eq!(labels(&wide).iter().filter(|l| !l.is_empty()).count(), 4);
+        let count = Axis::fit(Scale::Count, [1.0, 2.0].into_iter());
+        assert_eq!(labels(&count), ["0", "1", "2"]);
         let powers = Axis::fit(Scale::Log2, [1024.0, 4096.0].into_iter());
         assert_eq!(labels(&powers), ["1024", "2048", "4096"]);
-        for axis in [linear, log, wide, powers] {
+        for axis in [linear, count, log, wide, powers] {
             assert!(axis.ticks().iter().all(|(value, _)| axis.place(*value).is_some()));
             assert_eq!(axis.place(f64::NAN), None);
         }
@@ -123,7 +128,7 @@ mod tests {
 
     #[test]
     fn hopeless_values_still_give_an_axis() {
-        for scale in [Scale::Linear, Scale::Log, Scale::Log2] {
+        for scale in [Scale::Linear, Scale::Count, Scale::Log, Scale::Log2] {
             for values in [vec![], vec![f64::NAN], vec![0.0], vec![-1.0, f64::INFINITY], vec![3.0]] {
                 assert!(!Axis::fit(scale, values.iter().copied()).ticks().is_empty(), "{scale:?} {values:?}");
             }

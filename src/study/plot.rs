@@ -74,22 +74,29 @@ pub fn text_style(size: f64, color: RGBColor, h: HPos, v: VPos) -> TextStyle<'st
     TextStyle { color: color.to_backend_color(), ..style }
 }
 
-/// Width and height of one chart, and of the strip with the legend.
+/// Width and height of one chart; height of the legend with one row, and of every further row.
 const CHART: [i32; 2] = [420, 320];
-const LEGEND: i32 = 30;
+const LEGEND: i32 = 32;
+const LEGEND_ROW: i32 = 20;
+/// Left and right of the legend.
+const MARGIN: i32 = 12;
 
 /// Writes `stem`.svg and `stem`.png with the charts in rows of `columns`, under one legend.
 pub fn write(stem: &Path, charts: &[Chart], columns: usize) -> Result<[PathBuf; 2]> {
     register_fonts();
     let columns = columns.clamp(1, charts.len().max(1));
     let rows = charts.len().div_ceil(columns);
-    let size = [CHART[0] * columns as i32, CHART[1] * rows as i32 + LEGEND];
+    let width = CHART[0] * columns as i32;
+    let entries = entries(charts, width);
+    let top = entries.last().map_or(0, |(.., (_, y))| y + LEGEND / 2);
+    let size = [width, CHART[1] * rows as i32 + top];
+    let layout = Layout { charts, columns, entries, top };
     let paths = ["svg", "png"].map(|extension| stem.with_extension(extension));
     let failed = |path: &Path, why: String| Error::runtime(format!("cannot write {}: {why}", path.display()));
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, (size[0] as u32, size[1] as u32)).into_drawing_area();
-        draw(&root, charts, columns, 1).map_err(|e| failed(&paths[0], e.to_string()))?;
+        layout.draw(&root, 1).map_err(|e| failed(&paths[0], e.to_string()))?;
         root.present().map_err(|e| failed(&paths[0], e.to_string()))?;
     }
     write_whole(&paths[0], svg.as_bytes())?;
@@ -97,7 +104,7 @@ pub fn write(stem: &Path, charts: &[Chart], columns: usize) -> Result<[PathBuf; 
     let mut rgb = vec![255; 3 * (width * height) as usize];
     {
         let root = BitMapBackend::with_buffer(&mut rgb, (width, height)).into_drawing_area();
-        draw(&root, charts, columns, 2).map_err(|e| failed(&paths[1], e.to_string()))?;
+        layout.draw(&root, 2).map_err(|e| failed(&paths[1], e.to_string()))?;
         root.present().map_err(|e| failed(&paths[1], e.to_string()))?;
     }
     png::write(&paths[1], width, height, &rgb)?;
@@ -106,36 +113,58 @@ pub fn write(stem: &Path, charts: &[Chart], columns: usize) -> Result<[PathBuf; 
 
 type Drawn<DB> = std::result::Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
-/// `unit` is the size of a unit of the layout in pixels.
-fn draw<DB: DrawingBackend>(root: &DrawingArea<DB, Shift>, charts: &[Chart], columns: usize, unit: i32) -> Drawn<DB> {
-    root.fill(&WHITE)?;
-    legend(root, charts, unit)?;
-    for (number, chart) in charts.iter().enumerate() {
-        let left = CHART[0] * (number % columns) as i32;
-        let top = LEGEND + CHART[1] * (number / columns) as i32;
-        Canvas { root, unit, left, top }.chart(chart)?;
-    }
-    Ok(())
+/// Charts under a legend of height `top`.
+struct Layout<'a> {
+    charts: &'a [Chart],
+    columns: usize,
+    entries: Vec<Entry<'a>>,
+    top: i32,
 }
 
-/// Every name once.
-fn legend<DB: DrawingBackend>(root: &DrawingArea<DB, Shift>, charts: &[Chart], unit: i32) -> Drawn<DB> {
-    let mut names: Vec<(&str, Style)> = Vec::new();
-    for series in charts.iter().flat_map(|chart| &chart.series) {
-        if names.iter().all(|(name, _)| *name != series.name) {
-            names.push((&series.name, series.style));
+impl Layout<'_> {
+    /// `unit` is the size of a unit of the layout in pixels.
+    fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>, unit: i32) -> Drawn<DB> {
+        root.fill(&WHITE)?;
+        legend(root, &self.entries, unit)?;
+        for (number, chart) in self.charts.iter().enumerate() {
+            let left = CHART[0] * (number % self.columns) as i32;
+            let top = self.top + CHART[1] * (number / self.columns) as i32;
+            Canvas { root, unit, left, top }.chart(chart)?;
         }
+        Ok(())
     }
-    let canvas = Canvas { root, unit, left: 0, top: 0 };
-    let mut x = 12;
-    for (name, style) in names {
-        canvas.line(&[(x, 16), (x + 22, 16)], style.color(), style.width())?;
-        if style != Style::Guide {
-            canvas.dot((x + 11, 16), style)?;
+}
+
+/// An entry of the legend: its name, how it is drawn, and where.
+type Entry<'a> = (&'a str, Style, (i32, i32));
+
+/// Every name once, in rows that fit the width.
+fn entries(charts: &[Chart], width: i32) -> Vec<Entry<'_>> {
+    let mut entries: Vec<Entry> = Vec::new();
+    let (mut x, mut y) = (MARGIN, LEGEND / 2);
+    for series in charts.iter().flat_map(|chart| &chart.series) {
+        if entries.iter().any(|(name, ..)| *name == series.name) {
+            continue;
         }
-        canvas.text(name, (x + 28, 16), 13, INK, HPos::Left, VPos::Center)?;
-        let extent = (FONT, 13.0).into_font().layout_box(name).map_or(0, |(_, (width, _))| width);
-        x += 28 + extent + 20;
+        let layout = (FONT, 13.0).into_font().layout_box(&series.name);
+        let extent = 28 + layout.map_or(0, |(_, (width, _))| width);
+        if x > MARGIN && x + extent > width - MARGIN {
+            (x, y) = (MARGIN, y + LEGEND_ROW);
+        }
+        entries.push((&series.name, series.style, (x, y)));
+        x += extent + 20;
+    }
+    entries
+}
+
+fn legend<DB: DrawingBackend>(root: &DrawingArea<DB, Shift>, entries: &[Entry], unit: i32) -> Drawn<DB> {
+    let canvas = Canvas { root, unit, left: 0, top: 0 };
+    for (name, style, (x, y)) in entries {
+        canvas.line(&[(*x, *y), (x + 22, *y)], style.color(), style.width())?;
+        if *style != Style::Guide {
+            canvas.dot((x + 11, *y), *style)?;
+        }
+        canvas.text(name, (x + 28, *y), 13, INK, HPos::Left, VPos::Center)?;
     }
     Ok(())
 }
@@ -213,7 +242,10 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         self.text(&chart.title, (left, 8), 15, BLACK, HPos::Left, VPos::Top)?;
         self.text(&chart.y.0, (left, 32), 12, INK, HPos::Left, VPos::Top)?;
         self.text(&chart.x.0, ((left + right) / 2, bottom + 24), 12, INK, HPos::Center, VPos::Top)?;
-        for series in &chart.series {
+        // What one compares with lies below.
+        let is_guide = |series: &&Series| series.style == Style::Guide;
+        let above = chart.series.iter().filter(|series| !is_guide(series));
+        for series in chart.series.iter().filter(is_guide).chain(above) {
             for ((at, _), (low, high)) in series.points.iter().zip(&series.bars) {
                 if let (Some(px), Some(low), Some(high)) = (across(*at), up(*low), up(*high)) {
                     self.line(&[(px, low), (px, high)], series.style.color(), 2)?;

@@ -144,7 +144,7 @@ fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
     }
     let chart = Chart {
         title: "Speed by threads".into(),
-        x: ("threads of the driver (LP_NUM_THREADS)".into(), Scale::Linear),
+        x: ("threads of the driver (LP_NUM_THREADS)".into(), Scale::Count),
         y: ("million mutations (pt: samples) a second".into(), Scale::Linear),
         series,
     };
