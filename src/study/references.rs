@@ -53,8 +53,8 @@ pub fn known(asked: &Asked, scene: &str) -> Option<PathBuf> {
     fits.then_some(path)
 }
 
-/// Scenes of which path tracing tells a smaller error of its own in equal time.
-const BY_PATH_TRACING: [&str; 2] = ["shards", "displaced_wall"];
+/// Scenes of which path tracing tells half the error of its own that chains tell in equal time: nearly all light is direct.
+const BY_PATH_TRACING: [&str; 1] = ["displaced_wall"];
 
 /// How a study renders a reference: by path tracing where that is better, else by chains for indirect light, with more
 /// candidates for b than usual, and path tracing for the rest.

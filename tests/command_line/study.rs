@@ -32,7 +32,7 @@ const TINY: [&str; 15] = [
 #[test]
 fn an_interrupted_study_goes_on_where_it_was() {
     let place = Place::new();
-    let arguments = [&TINY[..], &["--seeds", "3"]].concat();
+    let arguments = [&TINY[..], &["--seeds", "2"]].concat();
     let mut command = Command::new("env");
     if interrupts_are_ignored() {
         command.arg("--default-signal=INT");
@@ -57,7 +57,7 @@ fn an_interrupted_study_goes_on_where_it_was() {
     assert!(Command::new("sh").args(["-c", &interrupt]).status().unwrap().success());
     check_failure(&child.wait_with_output().unwrap(), 1, "the same command goes on from there");
     let kept = fs::read_to_string(&runs).unwrap();
-    assert!((1..9).contains(&rows()), "{kept}");
+    assert!((1..6).contains(&rows()), "{kept}");
     assert!(!place.path("out/report.md").exists());
 
     let output = place.run(&arguments);
@@ -65,9 +65,9 @@ fn an_interrupted_study_goes_on_where_it_was() {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(said.contains("report: ") && said.contains("report.md"), "{said}");
     let all = fs::read_to_string(&runs).unwrap();
-    assert!(all.starts_with(&kept) && rows() == 9, "kept:\n{kept}\nall:\n{all}");
+    assert!(all.starts_with(&kept) && rows() == 6, "kept:\n{kept}\nall:\n{all}");
     let report = fs::read_to_string(place.path("out/report.md")).unwrap();
-    for words in ["| device and driver |", "| load average |", "| seeds | 1, 2, 3 |", "static 0.05", "> The sigmoid"] {
+    for words in ["| device and driver |", "| load average |", "| seeds | 1, 2 |", "static 0.05", "> The sigmoid"] {
         assert!(report.contains(words), "{words:?} is not in:\n{report}");
     }
     assert!(["alpha.csv", "alpha.png", "settings.txt"].iter().all(|name| place.path("out").join(name).is_file()));
@@ -78,7 +78,7 @@ fn an_interrupted_study_goes_on_where_it_was() {
     assert_eq!(fs::read_to_string(&runs).unwrap(), all);
     assert!(place.path("out/report.md").is_file());
     // Fewer seeds are there already; another budget is another study.
-    assert_eq!(place.run(&[&TINY[..], &["--seeds", "2"]].concat()).status.code(), Some(0));
+    assert_eq!(place.run(&[&TINY[..], &["--seeds", "1"]].concat()).status.code(), Some(0));
     assert_eq!(fs::read_to_string(&runs).unwrap(), all);
     let other: Vec<&str> = arguments.iter().map(|word| if *word == "16x12" { "16x13" } else { word }).collect();
     place.refuses(&other, 2, "other settings");
