@@ -111,6 +111,9 @@ fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
          above 1 speak for emlt. 95 % intervals over the seeds.",
         1.0 / FITTED
     ));
+    if let Some(busy) = findings.busy() {
+        report.paragraph(&busy);
+    }
     for (name, [time, error]) in ["mlt", "pt"].into_iter().zip(over_scenes) {
         let finite =
             |values: Vec<f64>| Interval::of_factors(&values.into_iter().filter(|v| v.is_finite()).collect::<Vec<_>>());

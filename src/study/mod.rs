@@ -71,7 +71,12 @@ struct Findings {
     asked: Asked,
     runs: Vec<Finished>,
     references: Vec<Reference>,
+    /// The load average before the runs, where the system tells.
+    load: Option<f64>,
 }
+
+/// A load average from which on other work is taken to slow the runs.
+const BUSY: f64 = 0.5;
 
 impl Findings {
     /// The runs of a scene (any, where none is named) and variant, by seed.
@@ -82,6 +87,14 @@ impl Findings {
     /// A figure at the end of each of those runs; what is not known is NaN.
     fn values(&self, scene: Option<&str>, variant: &str, figure: fn(&Figures) -> Option<f64>) -> Vec<f64> {
         self.of(scene, variant).map(|f| figure(f.last()).unwrap_or(f64::NAN)).collect()
+    }
+
+    /// A sentence for studies of time where the machine had other work when they began.
+    fn busy(&self) -> Option<String> {
+        let load = self.load.filter(|load| *load > BUSY)?;
+        Some(format!(
+            "The machine had other work (load average {load:.2} before the runs), so these times tell little."
+        ))
     }
 
     /// What the images of a scene should be.

@@ -53,7 +53,9 @@ impl Interval {
 
     /// As text, with `digits` after the point.
     pub fn text(&self, digits: usize) -> String {
-        if self.low.is_finite() && self.high.is_finite() {
+        if !self.mean.is_finite() {
+            "not known".into()
+        } else if self.low.is_finite() && self.high.is_finite() {
             format!("{:.digits$} ({:.digits$} to {:.digits$})", self.mean, self.low, self.high)
         } else {
             format!("{:.digits$} (scatter not known)", self.mean)

@@ -129,7 +129,8 @@ fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
             let rate = Interval::of(&rates(method, *n).iter().map(|r| 1e-6 * r).collect::<Vec<_>>());
             let speedup = Interval::of_ratio(&rates(method, *n), &rates(method, 1));
             line.points.push((f64::from(*n), rate.mean));
-            line.bars.push((rate.low, rate.high));
+            // No speed is below 0.
+            line.bars.push((rate.low.max(0.0), rate.high));
             let told = if *n == 1 { "1".into() } else { speedup.text(2) };
             let share = format!("{:.0} %", 100.0 * speedup.mean / f64::from(*n));
             table.push(vec![method.name().into(), n.to_string(), short(rate.mean), told, share]);
@@ -162,8 +163,10 @@ fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
         Interval::of_ratio(&rates(method, most), &perfect)
     };
     let [pt, emlt] = [share(Method::Pt), share(Method::Emlt)];
+    let busy = findings.busy();
     let verdict = match most {
         1 => Verdict::Undecided,
+        _ if busy.is_some() => Verdict::Undecided,
         _ if emlt.above(LINEAR) => Verdict::Agrees,
         _ if emlt.below(LINEAR) => Verdict::Disagrees,
         _ => Verdict::Undecided,
@@ -174,9 +177,10 @@ fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
         &format!(
             "On {most} threads emlt has {} of perfect scaling, pt {} (1 is perfect; with 95 % intervals over the seeds). It \
              agrees where emlt's interval is above {LINEAR}, and does not where it is below. Only rendering is timed, not \
-             the start; other work on the machine, which the load average tells of, takes from the higher counts first.",
+             the start. Other work on the machine takes from the higher counts first; where it had some, nothing is decided. {}",
             emlt.text(2),
-            pt.text(2)
+            pt.text(2),
+            busy.unwrap_or_default()
         ),
     );
     Ok(())

@@ -29,7 +29,8 @@ pub fn finish(plan: &Plan, quiet: bool) -> Result<(Findings, Journal)> {
         threads::check(&context)?;
     }
     let mut folder = Folder::open(plan, &context.description)?;
-    let mut journal = Journal::new(&context, load());
+    let load_before = load();
+    let mut journal = Journal::new(&context, load_before);
     let missing = plan.runs.len() - done(&folder, plan, &files);
     let mut bar = Bar::new(plan.runs.len() + files.len(), quiet);
     let mut references = Vec::new();
@@ -65,7 +66,7 @@ pub fn finish(plan: &Plan, quiet: bool) -> Result<(Findings, Journal)> {
     let place = |f: &Finished| plan.runs.iter().position(|run| run.label() == f.run.label());
     runs.sort_by_key(place);
     journal.ended(load(), missing, plan.runs.len());
-    Ok((Findings { asked: plan.asked.clone(), runs, references }, journal))
+    Ok((Findings { asked: plan.asked.clone(), runs, references, load: load_before }, journal))
 }
 
 fn named(error: Error, run: &Run) -> Error {
