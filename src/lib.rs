@@ -11,6 +11,7 @@
 //! - `panics`: what guards against panics in code that is not ours
 //! - [`report`]: progress while it runs, statistics at the end, metadata in the file
 //! - [`reference`]: host twins of shader functions, for tests
+//! - [`study`]: the supplement's experiments, from renders to a report
 //! - `viewer`: the interactive window, a cargo feature
 //! - [`cli`]: the commands
 
@@ -26,6 +27,7 @@ mod panics;
 pub mod reference;
 pub mod report;
 pub mod scene;
+pub mod study;
 #[cfg(feature = "viewer")]
 pub mod viewer;
 

@@ -8,6 +8,7 @@ mod devices;
 mod info;
 mod options;
 mod render;
+mod study;
 #[cfg(feature = "viewer")]
 mod view;
 
@@ -37,6 +38,7 @@ enum Command {
     #[cfg(feature = "viewer")]
     View(view::Arguments),
     Compare(compare::Arguments),
+    Study(study::Arguments),
     Info(info::Arguments),
     Devices(devices::Arguments),
 }
@@ -51,6 +53,7 @@ pub fn main() -> ExitCode {
             #[cfg(feature = "viewer")]
             Command::View(arguments) => view::run(&arguments),
             Command::Compare(arguments) => compare::run(&arguments),
+            Command::Study(arguments) => study::run(&arguments),
             Command::Info(arguments) => info::run(&arguments),
             Command::Devices(arguments) => devices::run(&arguments),
         },

@@ -204,7 +204,7 @@ impl Options {
     }
 }
 
-fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
+pub fn parse_size(text: &str) -> std::result::Result<(u32, u32), String> {
     let side = |s: &str| s.parse().ok().filter(|n| (1..=MAX_SIDE).contains(n));
     text.split_once(['x', 'X'])
         .and_then(|(w, h)| Some((side(w)?, side(h)?)))

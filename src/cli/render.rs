@@ -160,7 +160,7 @@ fn parse_share(text: &str) -> std::result::Result<f64, String> {
     share.ok_or_else(|| "give a share above 0 and below 1, as in 2% or 0.02".into())
 }
 
-fn parse_seconds(text: &str) -> std::result::Result<f64, String> {
+pub fn parse_seconds(text: &str) -> std::result::Result<f64, String> {
     let seconds = text.parse().ok().filter(|s: &f64| s.is_finite() && *s > 0.0);
     seconds.ok_or_else(|| "give a number of seconds above 0".into())
 }

@@ -72,7 +72,8 @@ pub fn direction_color(horizontal: f32, vertical: f32) -> [u8; 3] {
     [byte(horizontal), byte(vertical), 0]
 }
 
-fn write(path: &Path, width: u32, height: u32, rgb: &[u8]) -> Result<()> {
+/// Writes 8-bit sRGB pixels, row 0 at the top.
+pub fn write(path: &Path, width: u32, height: u32, rgb: &[u8]) -> Result<()> {
     let failed = |e| Error::runtime(format!("cannot write {}: {e}", path.display()));
     write_whole(path, &encode(width, height, rgb).map_err(failed)?)
 }

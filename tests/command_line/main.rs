@@ -3,3 +3,4 @@
 mod outputs;
 mod place;
 mod refusals;
+mod study;

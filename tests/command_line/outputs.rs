@@ -140,7 +140,7 @@ fn an_interrupt_keeps_the_image() {
 
 /// Whether this process was started with interrupts ignored (Linux; elsewhere nobody tells).
 #[cfg(unix)]
-fn interrupts_are_ignored() -> bool {
+pub fn interrupts_are_ignored() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     mask.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).is_ok_and(|mask| mask & 2 != 0))
