@@ -85,6 +85,9 @@ pub struct Opened {
     pub warnings: Vec<String>,
 }
 
+/// A value for every pixel, by the names of kernels.
+pub type ByKernel = Vec<(String, Vec<f32>)>;
+
 /// A picture as it stands.
 #[derive(Debug, Clone, Default)]
 pub struct Picture {
@@ -94,7 +97,7 @@ pub struct Picture {
     pub statistics: Statistics,
     /// By the names of the kernels, the share of proposals from every pixel that was accepted, NaN where there were none
     /// (mlt, emlt); newer now and then.
-    pub acceptance: Option<Arc<Vec<(String, Vec<f32>)>>>,
+    pub acceptance: Option<Arc<ByKernel>>,
     /// What the image tells of its own error; newer now and then.
     pub own: Option<Arc<OwnError>>,
     /// A quick small image by the path tracer, until the method has one.

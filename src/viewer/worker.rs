@@ -11,7 +11,7 @@ use std::sync::mpsc::{Receiver, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::messages::{Command, ErrorPoint, Event, Job, Opened, Outbox, OwnError, Picture};
+use super::messages::{ByKernel, Command, ErrorPoint, Event, Job, Opened, Outbox, OwnError, Picture};
 use super::preview::Preview;
 use crate::film::uncertainty::Uncertainty;
 use crate::film::{Channel, Image, exr, metrics};
@@ -66,7 +66,7 @@ pub(super) struct Track<'a> {
     /// What it took to show it last.
     showing: Duration,
     own: Option<Arc<OwnError>>,
-    acceptance: Option<Arc<Vec<(String, Vec<f32>)>>>,
+    acceptance: Option<Arc<ByKernel>>,
     /// When these two were told last, and how long that took.
     told: Option<(Instant, Duration)>,
 }
