@@ -70,7 +70,8 @@ fn near_deltas_are_as_deltas() {
 
 /// Ten times as wide, in a room that reflects its light, against path tracing, which knows no class of narrow lobes.
 #[test]
-fn narrow_lobes() {
+#[ignore = "takes a minute; ./run test --long"]
+fn long_narrow_lobes() {
     let scene = floor(0.01, [0.4, 6.0], 1.0);
     let truth = traced(&scene);
     for method in [Mlt, Emlt] {

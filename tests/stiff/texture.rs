@@ -27,12 +27,7 @@ fn check_thresholds(cases: &[(Method, f32)]) {
 }
 
 #[test]
-fn textured_roughness_across_the_threshold() {
-    check_thresholds(&[(Emlt, 0.1)]);
-}
-
-#[test]
 #[ignore = "takes minutes; ./run test --long"]
-fn long_textured_roughness_with_any_threshold() {
-    check_thresholds(&[(Mlt, 0.1), (Emlt, 0.0), (Mlt, 0.0)]);
+fn long_textured_roughness_across_the_threshold() {
+    check_thresholds(&[(Mlt, 0.1), (Emlt, 0.1), (Mlt, 0.0), (Emlt, 0.0)]);
 }
