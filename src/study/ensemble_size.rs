@@ -109,8 +109,8 @@ fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
         &format!(
             "The average is lowest at {}, the geometric mean over scenes and seeds at {}. The last column of the table has \
              the ratio to {BEST} with its 95 % interval over all pairs of scene and seed. It agrees where every size outside \
-             of {} to {} is wholly above 1, and does not where one is wholly below. A film of so few pixels leaves fewer \
-             mutations to each path than the supplement's did, which favours small ensembles.",
+             of {} to {} is wholly above 1, and does not where one is wholly below. More pixels \
+             leave more mutations to each path, which favours larger ensembles.",
             lowest(&average),
             lowest(&geometric),
             NEAR.start(),
