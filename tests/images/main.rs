@@ -13,6 +13,7 @@ mod glass_furnace;
 mod groups;
 mod invariance;
 mod lens;
+mod many;
 mod mitsuba;
 mod options;
 mod renders;
