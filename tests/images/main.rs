@@ -14,6 +14,7 @@ mod glass_furnace;
 mod groups;
 mod invariance;
 mod lens;
+mod many;
 mod mitsuba;
 mod mixing;
 mod options;
