@@ -224,7 +224,7 @@ mod tests {
         layers.add(&[[3.0; 3]]);
         let (_, uncertainty) = layers.finish(1.0, 0.0, None);
         // Both deviate by 1, one beside 3 and one beside 1; the mean is 2.
-        let expected = ((0.5 / 9.04 + 0.5 / 1.04) as f64).sqrt();
+        let expected = f64::sqrt(0.5 / 9.04 + 0.5 / 1.04);
         let uncertainty = uncertainty.unwrap();
         assert_near(uncertainty.relative, expected);
         assert_near(uncertainty.relative_of_tiles, expected);

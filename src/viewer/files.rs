@@ -37,19 +37,22 @@ impl Watches {
 
     /// What to ask of the renderer at this time.
     fn changes(&mut self, now_s: f64) -> Vec<Command> {
-        let read_again: [(&mut Option<Watch>, fn(PathBuf) -> Command); 4] = [
+        let read_again: [Watched; 4] = [
             (&mut self.scene, Command::Open),
             (&mut self.sky, Command::Sky),
             (&mut self.reference, Command::Reference),
             (&mut self.shaders, Command::Shaders),
         ];
-        let changed = |(watch, command): (&mut Option<Watch>, fn(PathBuf) -> Command)| {
+        let changed = |(watch, command): Watched| {
             let watch = watch.as_mut()?;
             watch.changed(now_s).then(|| command(watch.paths()[0].clone()))
         };
         read_again.into_iter().filter_map(changed).collect()
     }
 }
+
+/// What is watched, and what to ask of the renderer when it has changed.
+type Watched<'a> = (&'a mut Option<Watch>, fn(PathBuf) -> Command);
 
 /// Watches these paths from now on; where they are watched already, changes since they were read are not lost.
 fn watch(watch: &mut Option<Watch>, paths: Vec<PathBuf>) {

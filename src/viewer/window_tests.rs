@@ -21,7 +21,7 @@ use crate::report::statistics::{KernelStatistics, Statistics};
 fn pixels<T>(value: impl Fn(f32, f32) -> T) -> Vec<T> {
     let [width, height] = SIZE;
     let place = |i: u32| ((i % width) as f32 / width as f32, (i / width) as f32 / height as f32);
-    (0..width * height).map(|i| place(i)).map(|(x, y)| value(x, y)).collect()
+    (0..width * height).map(place).map(|(x, y)| value(x, y)).collect()
 }
 
 fn image(value: impl Fn(f32, f32) -> [f32; 3]) -> Image {
@@ -38,6 +38,7 @@ fn full_picture() -> Picture {
         accepted,
         non_finite: 0,
         mean_squared_jump_px2,
+        device_s: Some(0.5),
     };
     let maps = [pixels(|x, _| x), pixels(|_, y| y)];
     let accepted = |x: f32, y: f32| if disc(x, y) { x } else { f32::NAN };
