@@ -178,8 +178,10 @@ impl<'a> Chains<'a> {
             ));
         }
         if bootstrap.non_finite > 0 {
-            let n = bootstrap.non_finite;
-            self.statistics.notes.push(format!("{n} start candidates were not finite and count as black"));
+            let (n, all) = (bootstrap.non_finite, self.start.candidates);
+            self.statistics
+                .notes
+                .push(format!("not finite, so that they count as black: {n} of {all} start candidates"));
         }
         if bootstrap.shared {
             self.statistics.notes.push(

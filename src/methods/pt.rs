@@ -154,7 +154,8 @@ impl Part for PathTracer<'_> {
     fn statistics(&self) -> Statistics {
         let mut notes = Vec::new();
         if self.non_finite > 0 {
-            notes.push(format!("{} samples were not finite and count as black", self.non_finite));
+            let all = self.samples();
+            notes.push(format!("not finite, so that they count as black: {} of {all} samples", self.non_finite));
         }
         Statistics {
             samples: self.samples(),

@@ -15,6 +15,7 @@ pub fn camera(eye: Vec3, target: Vec3, degrees: f32) -> Camera {
         world_from_camera: Affine3A::IDENTITY,
         vertical_fov: degrees.to_radians(),
         orthographic_height: None,
+        lens: None,
         aspect: None,
     };
     plain.looking(eye, target).expect("not straight up or down")
