@@ -192,7 +192,7 @@ impl Start {
     /// Begins what [`Self::run`] does at once; nothing is made yet.
     pub fn begin(&self, run: &Run) -> Starting {
         let strategies = self.even();
-        let pilots = if self.two_stage.is_some() { TWO_STAGE_PILOTS } else { PILOTS };
+        let pilots = if self.two_stage.is_some_and(|gamma| gamma > 0.0) { TWO_STAGE_PILOTS } else { PILOTS };
         let pilots = pilots.map(|count| count.min(self.candidates));
         let draw = self.draw(run, &strategies, pilots[0], PILOT_PASSES[0]);
         Starting { strategies, pixel_weights: None, rays: 0, candidates: self.candidates, pilots, round: 0, draw }

@@ -55,9 +55,10 @@ pub const STRATEGY_ENTRIES: usize = 1024;
 pub const WEIGHT_TILES: u32 = 32;
 pub const WEIGHT_ENTRIES: usize = 1024;
 
-/// Rows of the chain state before the vertices (`ROW_VERTICES`; one is the lens's), and the rows of the type key (`ROW_KEY`),
-/// of the pixel and of the colour.
+/// Rows of the chain state before the vertices (`ROW_VERTICES`), and the rows of the point on the lens (`ROW_LENS`), of the
+/// type key (`ROW_KEY`), of the pixel and of the colour.
 pub const ROW_VERTICES: usize = 5;
+pub const ROW_LENS: usize = 4;
 pub const ROW_KEY: usize = 3;
 pub const ROW_PIXEL: usize = 0;
 pub const ROW_COLOUR: usize = 1;

@@ -39,6 +39,7 @@ impl SceneData {
 
     /// The same where lobes with alpha below `threshold` are treated as specular, as `Features::with_threshold` has them.
     pub fn with_threshold(scene: &Scene, camera: &Camera, width: u32, height: u32, threshold: f32) -> Result<Self> {
+        let threshold = scene.specular_threshold(threshold);
         let (centre, radius) = scene.bounding_sphere();
         if !(radius > 0.0 && radius.is_finite()) {
             return Err(Error::input(format!("{} has no extent: its triangles all lie in one point", scene.name)));

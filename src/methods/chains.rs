@@ -45,6 +45,8 @@ pub fn default_mix(method: Method) -> Vec<(&'static Kernel, f64)> {
     weights
 }
 
+/// Share of the start's candidates that may be lost to rounding before a note speaks of it.
+const NON_FINITE_SHARE: f64 = 1e-5;
 /// Types of paths that notes speak of.
 const MOST_WARNINGS: usize = 3;
 
@@ -177,7 +179,7 @@ impl<'a> Chains<'a> {
                 100.0 * bootstrap.largest_share
             ));
         }
-        if bootstrap.non_finite > 0 {
+        if bootstrap.non_finite as f64 > NON_FINITE_SHARE * f64::from(self.start.candidates) {
             let (n, all) = (bootstrap.non_finite, self.start.candidates);
             self.statistics
                 .notes

@@ -60,14 +60,24 @@ pub struct Features {
     pub anisotropic: bool,
 }
 
+impl Scene {
+    /// Below which GGX alpha lobes are treated as specular, where that is wanted below `threshold`. Under points, spots and
+    /// directions no lobe is: what only specular vertices lie between such a light and the camera cannot be connected, nor
+    /// is the light ever hit, and a highlight in a narrow lobe is no delta that would be black for everyone.
+    pub fn specular_threshold(&self, threshold: f32) -> f32 {
+        if self.lights.is_empty() { threshold } else { 0.0 }
+    }
+}
+
 impl Features {
     /// The features that the materials and lights of `scene` use.
     pub fn of(scene: &Scene) -> Self {
         Self::with_threshold(scene, GLOSSY_AS_SPECULAR_ALPHA)
     }
 
-    /// The same where lobes with alpha below `threshold` are treated as specular.
+    /// The same where lobes with alpha below `threshold` are treated as specular, if `scene` allows.
     pub fn with_threshold(scene: &Scene, threshold: f32) -> Self {
+        let threshold = scene.specular_threshold(threshold);
         let directions = scene.lights.iter().any(|light| matches!(light.kind, LightKind::Directional { .. }));
         let environment = scene.environment.is_some();
         let mut features = Self {

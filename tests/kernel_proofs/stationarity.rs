@@ -6,7 +6,7 @@
 
 use crate::bench::{Bench, FILM, Guides, HALF, MAX_EDGES};
 use emlt::ensemble::pool::TypeKey;
-use emlt::gpu::layout::ROW_PIXEL;
+use emlt::gpu::layout::ROW_LENS;
 use emlt::kernels::{Family, Kernel};
 
 /// Side of a tile in pixels.
@@ -43,7 +43,7 @@ const LENS_PARTS: usize = 8;
 /// Which part of a lens the first paths' points lie in; all in one where there is no lens.
 fn lens_parts(bench: &mut Bench, count: u32) -> Vec<[usize; 2]> {
     let part = |bits: u32| ((bits & 0xffff) as usize * LENS_PARTS) >> 16;
-    bench.rows(ROW_PIXEL, 0, count).iter().map(|row| [part(row[3]), part(row[3] >> 16)]).collect()
+    bench.rows(ROW_LENS, 0, count).iter().map(|row| [part(row[0]), part(row[0] >> 16)]).collect()
 }
 
 /// Largest |z| over tiles x lengths, over rings, over bands and over parts of a lens, from `rounds` times 131,072 candidates.

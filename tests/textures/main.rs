@@ -19,8 +19,9 @@ use emlt::gpu::scene::SceneData;
 use emlt::gpu::shader::Variant;
 use emlt::methods::Method::{self, Emlt, Mlt, Pt};
 use emlt::reference::rng;
+use emlt::scene::material::Material;
 use emlt::scene::{Features, LUMINANCE, Scene, Texture};
-use glam::{DVec2, DVec3, Vec4};
+use glam::{DVec2, DVec3, Vec4, vec3};
 use renders::{render, replicates, settings};
 use room::{layered_room, lit_room, orthographic_room, room, unlit_wall, veiled_room};
 
@@ -184,6 +185,20 @@ fn long_textured_room_by_emlt() {
 #[test]
 fn b_is_that_of_path_tracing() {
     check_b(&[room(), lit_room(), veiled_room()], 2048);
+}
+
+/// Highlights of points in lobes that are narrow, but no deltas: as specular ones they could not be connected.
+#[test]
+fn b_of_highlights_under_a_point_is_that_of_path_tracing() {
+    let mut scene = lit_room();
+    scene.name = "highlights".into();
+    scene.environment = None;
+    scene.lights.truncate(1);
+    for material in &mut scene.materials {
+        let base_color = vec3(0.9, 0.7, 0.4);
+        *material = Material { base_color, metallic: 1.0, roughness: 0.3, ..Material::default() };
+    }
+    check_b(&[scene], 2048);
 }
 
 #[test]
