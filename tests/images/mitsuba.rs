@@ -203,8 +203,8 @@ fn long_shards_by_pt() {
     compare("shards", SHARDS, FULL_DEPTH, Pt, [400, 24], Power { film: 0.02, tile: 0.05 });
 }
 
-// Those of mirrors have been run; what those of ring and slit are asked to see is a wish, not a measurement (ring agreed
-// with a quarter of the candidates, which let it see 6 % of the film).
+// Those of mirrors and slit have been run, and slit sees 10 % of the film; what those of ring are asked to see is a wish, not
+// a measurement (they agreed with a quarter of the candidates, which let them see 6 % of the film).
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
 fn long_ring_by_mlt() {
@@ -220,13 +220,13 @@ fn long_ring_by_emlt() {
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
 fn long_slit_by_mlt() {
-    compare("slit", SLIT, FULL_DEPTH, Mlt, [600, 16], Power { film: 0.05, tile: 0.7 });
+    compare("slit", SLIT, FULL_DEPTH, Mlt, [600, 16], Power { film: 0.11, tile: 0.7 });
 }
 
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
 fn long_slit_by_emlt() {
-    compare("slit", SLIT, FULL_DEPTH, Emlt, [600, 16], Power { film: 0.05, tile: 0.7 });
+    compare("slit", SLIT, FULL_DEPTH, Emlt, [600, 16], Power { film: 0.11, tile: 0.7 });
 }
 
 #[test]
