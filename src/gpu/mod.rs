@@ -9,6 +9,7 @@ pub mod scene;
 pub mod shader;
 pub mod surface;
 mod timer;
+mod workgroups;
 
 /// A bind group layout of buffers for compute, in binding order; the binding `dynamic` takes an offset per dispatch.
 fn buffer_layout(

@@ -11,10 +11,9 @@ use super::pipelines::{Builder, Built, Compilation};
 use super::scene::{GpuScene, SceneData};
 use super::shader::Variant;
 use super::timer::Timer;
+use super::workgroups::{group_stride, workgroups};
 use crate::{Error, Result};
 
-/// Threads a workgroup, as in every pass.
-const WORKGROUP: u32 = 64;
 /// Passes that one submission can hold.
 pub const PASS_SLOTS: usize = 256;
 /// Uniform offsets are multiples of this on every device.
@@ -353,51 +352,5 @@ impl<'a> Run<'a> {
         staging.unmap();
         self.staging = Some(staging);
         Ok(bytes)
-    }
-}
-
-/// Workgroups of a dispatch in two dimensions, as one holds at most 65,535.
-fn workgroups(entries: u32) -> [u32; 2] {
-    let groups = entries.div_ceil(WORKGROUP).max(1);
-    let rows = groups.div_ceil(65535);
-    [groups.div_ceil(rows), rows]
-}
-
-/// A number near the golden section of `groups` and coprime to it: its multiples modulo `groups` are a permutation whose
-/// every stretch is spread evenly. `entry_index` in shaders/layout/run.wesl multiplies in 32 bits.
-fn group_stride(groups: u32) -> u32 {
-    let section = (0.618_034 * f64::from(groups)) as u32;
-    let largest = (u32::MAX / groups).min(section.max(1));
-    (1..=largest).rev().find(|stride| gcd(*stride, groups) == 1).unwrap_or(1)
-}
-
-fn gcd(a: u32, b: u32) -> u32 {
-    if b == 0 { a } else { gcd(b, a % b) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn strides_order_workgroups_without_loss_or_overflow() {
-        for entries in [1, 64, 65, 8192, 8191, 1 << 20, 76_800, 4_194_241, 33_177_600, 1 << 27] {
-            let [x, y] = workgroups(entries);
-            let groups = x * y;
-            assert!(groups * WORKGROUP >= entries && x <= 65535 && y <= 65535);
-            let stride = group_stride(groups);
-            assert!(u64::from(groups) * u64::from(stride) <= u64::from(u32::MAX), "{groups} {stride}");
-            assert_eq!(gcd(stride, groups), 1, "{groups} {stride}");
-        }
-    }
-
-    #[test]
-    fn every_half_of_the_workgroups_is_a_mixture() {
-        for groups in [16u32, 100, 128, 1024, 16384] {
-            let stride = group_stride(groups);
-            let first_half = (0..groups / 2).map(|i| i * stride % groups);
-            let of_the_cheap = first_half.filter(|entry| *entry < groups / 2).count() as f64;
-            assert!((of_the_cheap / f64::from(groups / 4) - 1.0).abs() < 0.3, "{groups}: {of_the_cheap}");
-        }
     }
 }
