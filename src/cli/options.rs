@@ -8,7 +8,7 @@ use glam::Vec3;
 use crate::ensemble::groups::MOST_GROUPS;
 use crate::ensemble::guidance::{Guidance, MOST_GUIDES};
 use crate::ensemble::mix::Mix;
-use crate::methods::{Direct, MAX_SIDE, Method, Settings, default_size};
+use crate::methods::{Budget, Direct, MAX_SIDE, Method, Settings, default_ensemble, default_size};
 use crate::scene::environment;
 use crate::scene::import::import;
 use crate::scene::{Camera, Lens, Scene};
@@ -55,9 +55,10 @@ pub struct Options {
     #[command(flatten)]
     pub lens: LensOptions,
 
-    /// Paths in the ensemble, an even number (mlt, emlt)
-    #[arg(long, value_name = "N", default_value_t = 16384, value_parser = parse_ensemble)]
-    pub ensemble: u32,
+    /// Paths in the ensemble, an even number (mlt, emlt) [default: 16384; on a GPU up to 131072, as many as leave each
+    /// path 320 mutations]
+    #[arg(long, value_name = "N", value_parser = parse_ensemble)]
+    pub ensemble: Option<u32>,
 
     /// Independent groups into which the ensemble is split: their scatter tells the image's error (mlt, emlt)
     #[arg(long, value_name = "N", default_value_t = MOST_GROUPS, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_GROUPS)))]
@@ -177,10 +178,11 @@ impl Options {
         camera.through(self.through()?)
     }
 
-    /// The settings without a budget, for a film that fits `camera`.
-    pub fn settings(&self, camera: &Camera) -> Result<Settings> {
+    /// The settings for a film that fits `camera`, on a software device or a GPU.
+    pub fn settings(&self, camera: &Camera, budget: Budget, software: bool) -> Result<Settings> {
         let (width, height) = self.size.unwrap_or_else(|| default_size(camera));
         Ok(Settings {
+            budget,
             method: self.method,
             width,
             height,
@@ -188,7 +190,7 @@ impl Options {
             max_depth: self.max_depth,
             camera: self.camera.clone(),
             lens: self.through()?,
-            ensemble: self.ensemble,
+            ensemble: self.ensemble.unwrap_or_else(|| default_ensemble(software, budget, [width, height])),
             groups: self.groups,
             kernels: self.kernels.as_deref().map(Mix::parse).transpose()?,
             guidance: Guidance {
@@ -259,14 +261,14 @@ mod tests {
 
     #[test]
     fn no_flags_give_the_default_settings() {
-        let settings = options("a.glb").settings(&camera(None)).unwrap();
+        let settings = options("a.glb").settings(&camera(None), Settings::default().budget, true).unwrap();
         assert_eq!(format!("{settings:?}"), format!("{:?}", Settings::default()));
     }
 
     #[test]
     fn the_size_follows_the_camera_unless_given() {
         let size = |words, aspect| {
-            let settings = options(words).settings(&camera(aspect)).unwrap();
+            let settings = options(words).settings(&camera(aspect), Budget::ENDLESS, true).unwrap();
             (settings.width, settings.height)
         };
         assert_eq!(size("a.glb", Some(16.0 / 9.0)), (853, 480));
@@ -301,7 +303,7 @@ mod tests {
         let placed = "a.glb --aperture 0.02 --look-from 0,3,4 --look-at 0,0,0";
         assert_eq!(view(placed).unwrap().lens, lens(0.02, 5.0));
         assert_eq!(view(&format!("{placed} --focus 2")).unwrap().lens, lens(0.02, 2.0));
-        assert_eq!(options(placed).settings(&camera(None)).unwrap().lens, lens(0.02, 5.0));
+        assert_eq!(options(placed).settings(&camera(None), Budget::ENDLESS, true).unwrap().lens, lens(0.02, 5.0));
         assert_eq!(view("a.glb --aperture 0.02").unwrap_err().exit_status(), 2);
         assert_eq!(view("a.glb --aperture 0.02 --focus 3 --camera flat").unwrap_err().exit_status(), 2);
         assert!(Wrapper::try_parse_from(["render", "a.glb", "--focus", "3"]).is_err());

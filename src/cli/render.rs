@@ -2,11 +2,13 @@
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use clap::Args;
 
 use super::options::Options;
 use crate::film::{Image, exr, file, metrics};
+use crate::gpu::context::Context;
 use crate::methods::{self, Budget, Settings};
 use crate::report::log::ErrorLog;
 use crate::report::outputs::{self, Outputs};
@@ -73,12 +75,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         (None, None, Some(_)) => Budget::ENDLESS,
         (None, None, None) => Settings::default().budget,
     };
+    let start = Instant::now();
+    let context = Context::open(arguments.options.device.as_deref())?;
     let settings = Settings {
-        budget,
         target_error: arguments.target_error,
         maps: arguments.maps,
         camera: None,
-        ..arguments.options.settings(&camera)?
+        ..arguments.options.settings(&camera, budget, context.software)?
     };
     scene.cameras.insert(0, camera);
     let reference = arguments.reference.as_deref().map(|path| reference(path, &settings)).transpose()?;
@@ -93,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             progress.keep_log(log);
         }
         progress.stop_on_interrupt();
-        methods::render(&scene, &settings, &mut progress)?
+        methods::render_since(start, &context, &scene, &settings, &mut progress)?
     };
     let mut files = outputs::write(&outputs, &scene, &settings, &outcome)?;
     files.extend(arguments.log.clone());

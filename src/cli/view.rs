@@ -7,7 +7,9 @@ use clap::Args;
 use super::options::Options;
 use crate::Result;
 use crate::film::exr;
+use crate::gpu::context;
 use crate::gpu::shader::Sources;
+use crate::methods::Budget;
 use crate::viewer::{self, Launch};
 
 /// Render a scene in a window, where settings and camera can be changed
@@ -33,7 +35,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     // Once more on the renderer's thread: here only so that a wrong name is said where it was typed.
     let scene = options.read_scene()?;
     let camera = options.view(&scene)?;
-    let settings = options.settings(&camera)?;
+    let device = context::find(options.device.as_deref())?;
+    let settings = options.settings(&camera, Budget::ENDLESS, device.software)?;
     if let Some(path) = reference {
         exr::read(path)?;
     }

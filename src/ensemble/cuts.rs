@@ -3,7 +3,10 @@
 
 use std::ops::RangeInclusive;
 
+use rayon::prelude::*;
+
 use super::pool::{Pool, TypeKey};
+use super::runs::merged;
 use crate::reference::rng;
 
 /// Dimension blocks from which the host draws: the cut, and the guide.
@@ -12,7 +15,7 @@ const DIMENSION_GUIDE: u32 = 0xfffe;
 
 /// Vertices `first .. first + deleted` of a path are replaced by `added` new ones, `light_new` of them from the light's
 /// side.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cut {
     pub added: u32,
     pub light_new: u32,
@@ -26,17 +29,22 @@ impl Cut {
         self.first | self.deleted << 5 | self.added << 10 | self.light_new << 15
     }
 
+    /// Cuts in the order of this number trace alike with their neighbours.
+    fn order(self) -> u32 {
+        self.added << 24 | self.light_new << 16 | self.first << 8 | self.deleted
+    }
+
     /// The cut that leads back.
     pub fn reversed(self) -> Self {
         Self { added: self.deleted, deleted: self.added, ..self }
     }
 
-    /// Draws a cut of a path of type `key` from four random words; `None` where it would leave `lengths` or has no place:
+    /// Draws a cut of a path of the type of `places` from four random words; `None` where it would leave `lengths` or has no place:
     /// the path rests then, as after any proposal that fails.
     ///
     /// The number of deleted vertices is 0 with probability 1/4, 1 with 1/2, then halves (Veach's law); that of the added
     /// ones differs from it by a symmetric law. Places and splits are uniform. The shader has the densities.
-    pub fn draw(key: TypeKey, words: [u32; 4], lengths: RangeInclusive<u32>) -> Option<Self> {
+    pub fn draw(places: &mut Places, words: [u32; 4], lengths: &RangeInclusive<u32>) -> Option<Self> {
         let [deletion, change, place, split] = words.map(rng::uniform);
         let deleted = match deletion {
             u if u < 0.25 => 0,
@@ -54,17 +62,37 @@ impl Cut {
             _ => -3,
         };
         let added = u32::try_from(deleted as i32 + change).ok()?;
-        let edges = (key.edges() + added).checked_sub(deleted)?;
+        let edges = (places.key.edges() + added).checked_sub(deleted)?;
         if !lengths.contains(&edges) || (deleted == 0 && added == 0) {
             return None;
         }
-        let places: Vec<u32> = places(key, deleted).collect();
+        let places = places.of(deleted);
         let first = *places.get((place * places.len() as f64) as usize)?;
         if first == 0 && added == 0 {
             return None;
         }
         let light_new = ((split * f64::from(added + 1)) as u32).min(added);
         Some(Self { added, light_new, first, deleted })
+    }
+}
+
+/// Where the paths of one type can be cut, looked up once for each number of deleted vertices.
+pub struct Places {
+    key: TypeKey,
+    by_deleted: Vec<Option<Vec<u32>>>,
+}
+
+impl Places {
+    pub fn new(key: TypeKey) -> Self {
+        Self { key, by_deleted: vec![None; key.edges() as usize + 2] }
+    }
+
+    fn of(&mut self, deleted: u32) -> &[u32] {
+        match self.by_deleted.get_mut(deleted as usize) {
+            Some(known) => known.get_or_insert_with(|| places(self.key, deleted).collect()),
+            // More than there are.
+            None => &[],
+        }
     }
 }
 
@@ -98,30 +126,34 @@ impl CutList {
     /// Draws a cut for every path of every group with `random(path, dimension)`. A group is its moving half, the frozen
     /// one, and the column of the latter's first guide. The guide of a path is any member of the frozen half of its group,
     /// whatever the types, the same for the way back (METHOD.md 3.6a).
-    pub fn draw<'a>(
-        groups: impl IntoIterator<Item = (&'a Pool, &'a Pool, u32)>,
-        random: impl Fn(u32, u32) -> [u32; 4],
+    pub fn draw(
+        groups: &[(&Pool, &Pool, u32)],
+        random: impl Fn(u32, u32) -> [u32; 4] + Sync,
         lengths: RangeInclusive<u32>,
     ) -> Self {
-        let mut entries: Vec<(TypeKey, CutEntry)> = Vec::new();
-        let mut list = Self::default();
-        let mut resting: Vec<u32> = Vec::new();
-        for (moving, guides, guides_first) in groups {
+        let of_group = |&(moving, guides, guides_first): &(&Pool, &Pool, u32)| {
+            let mut entries: Vec<(u32, TypeKey, CutEntry)> = Vec::with_capacity(moving.order.len());
+            let mut resting: Vec<u32> = Vec::new();
             for node in &moving.types {
+                let mut places = Places::new(node.key);
                 for &path in moving.members(node.range) {
-                    match Cut::draw(node.key, random(path, DIMENSION_CUT), lengths.clone()) {
+                    match Cut::draw(&mut places, random(path, DIMENSION_CUT), &lengths) {
                         Some(cut) => {
                             let place = random(path, DIMENSION_GUIDE)[0] % guides.order.len() as u32;
                             let guide = [guides_first + place, guides.key_at(place).edges()];
-                            entries.push((node.key, CutEntry { path, cut, guide }));
+                            entries.push((cut.order(), node.key, CutEntry { path, cut, guide }));
                         }
                         None => resting.extend([path, 0]),
                     }
                 }
             }
-        }
-        entries.sort_by_key(|(key, entry)| (entry.cut, *key));
-        list.entries = entries.into_iter().map(|(_, entry)| entry).collect();
+            // Types are in order already.
+            entries.sort_by_key(|entry| entry.0);
+            (entries, resting)
+        };
+        let (entries, resting): (Vec<_>, Vec<_>) = groups.par_iter().map(of_group).unzip();
+        let (entries, resting) = (merged(&entries, |(order, key, _)| (*order, *key)), resting.concat());
+        let mut list = Self { entries: entries.into_iter().map(|(_, _, entry)| entry).collect(), ..Self::default() };
         list.words.extend(list.entries.iter().flat_map(|entry| entry.words()));
         list.resting_offset = list.words.len() as u32;
         list.resting = resting.len() as u32 / 2;
@@ -166,9 +198,10 @@ mod tests {
     #[test]
     fn the_way_back_has_a_place() {
         let key = TypeKey::from_tags(&[D, T, D, D]);
+        let mut at = Places::new(key);
         let mut drawn = [0; 2];
         for i in 0..20_000 {
-            let Some(cut) = Cut::draw(key, rng::random_words(7, i, 0, 0), 1..=8) else {
+            let Some(cut) = Cut::draw(&mut at, rng::random_words(7, i, 0, 0), &(1..=8)) else {
                 drawn[0] += 1;
                 continue;
             };
@@ -191,10 +224,11 @@ mod tests {
     fn deletions_follow_their_law() {
         // A path with a place for every deletion: all diffuse, 31 edges.
         let key = TypeKey::new(31, 0);
+        let mut at = Places::new(key);
         let mut counts = [0u32; 8];
         let n = 100_000;
         for i in 0..n {
-            if let Some(cut) = Cut::draw(key, rng::random_words(1, i, 0, 0), 1..=60) {
+            if let Some(cut) = Cut::draw(&mut at, rng::random_words(1, i, 0, 0), &(1..=60)) {
                 counts[(cut.deleted as usize).min(7)] += u32::from(cut.added == cut.deleted + 1);
             }
         }
@@ -212,8 +246,8 @@ mod tests {
         // Two groups of 30: halves 0 to 59 and 60 to 119.
         let pools: Vec<Pool> = (0..4).map(|i| Pool::build(&keys(30), 30 * i)).collect();
         let groups = [(&pools[0], &pools[2], 60), (&pools[1], &pools[3], 90)];
-        let list = CutList::draw(groups, |path, dimension| rng::random_words(5, path, 1, dimension), 1..=8);
-        assert!(list.entries.len() > 30 && list.entries.is_sorted_by_key(|entry| entry.cut));
+        let list = CutList::draw(&groups, |path, dimension| rng::random_words(5, path, 1, dimension), 1..=8);
+        assert!(list.entries.len() > 30 && list.entries.is_sorted_by_key(|entry| entry.cut.order()));
         for entry in &list.entries {
             let group = entry.path / 30;
             assert!((60 + 30 * group..90 + 30 * group).contains(&entry.guide[0]), "{entry:?}");

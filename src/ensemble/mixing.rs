@@ -115,8 +115,10 @@ impl Mixing {
         let place = |i: u32| (u64::from(i) * paths.len() as u64 / u64::from(followed)) as usize;
         let values: Vec<f32> = (0..followed).map(|i| paths[place(i)].log_i).collect();
         self.memory.observe(half, &values);
-        self.log_i.observe(half, paths.iter().map(|seen| f64::from(seen.log_i)));
-        self.edges.observe(half, paths.iter().map(|seen| f64::from(seen.key.edges())));
+        rayon::join(
+            || self.log_i.observe(half, paths.iter().map(|seen| f64::from(seen.log_i))),
+            || self.edges.observe(half, paths.iter().map(|seen| f64::from(seen.key.edges()))),
+        );
         let waits = &mut self.waits[self.groups.first_of_half(half) as usize..];
         for (wait, seen) in waits.iter_mut().zip(paths) {
             *wait = seen.waited;

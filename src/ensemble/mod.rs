@@ -11,6 +11,7 @@ pub mod guidance;
 pub mod mix;
 pub mod mixing;
 pub mod pool;
+mod runs;
 pub mod similarity;
 pub mod strategies;
 pub mod sweep;

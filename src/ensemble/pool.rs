@@ -5,7 +5,6 @@
 //! serves as guide pool when the other half moves and as dispatch list when this half moves.
 
 pub use super::type_key::{MAX_EDGES, Tag, TypeKey};
-use std::collections::BTreeMap;
 
 /// A range of [`Pool::order`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -51,6 +50,50 @@ pub fn select(id: u32, o: u32, count: u32) -> u32 {
     ((id % count) + o) % count
 }
 
+/// Types by number, in the order in which they are met, with how often that was.
+#[derive(Default)]
+struct Numbers {
+    counts: Vec<(TypeKey, u32)>,
+    /// Open addressing: 1 + number, or 0; a power of two of them, at least twice as many as types.
+    table: Vec<u32>,
+}
+
+impl Numbers {
+    /// The number of a type, met once more.
+    fn count(&mut self, key: TypeKey) -> u32 {
+        if self.table.len() <= 2 * self.counts.len() {
+            self.grow();
+        }
+        let place = self.place(key);
+        if self.table[place] == 0 {
+            self.counts.push((key, 0));
+            self.table[place] = self.counts.len() as u32;
+        }
+        let number = self.table[place] - 1;
+        self.counts[number as usize].1 += 1;
+        number
+    }
+
+    /// Where a type is in the table, or would be.
+    fn place(&self, key: TypeKey) -> usize {
+        let mask = self.table.len() - 1;
+        // Multiplied by 2^64 over the golden ratio, whose upper bits depend on all of the key.
+        let mut place = (key.bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as usize & mask;
+        while self.table[place] != 0 && self.counts[self.table[place] as usize - 1].0 != key {
+            place = (place + 1) & mask;
+        }
+        place
+    }
+
+    fn grow(&mut self) {
+        self.table = vec![0; (4 * self.table.len()).max(256)];
+        for number in 0..self.counts.len() {
+            let place = self.place(self.counts[number].0);
+            self.table[place] = number as u32 + 1;
+        }
+    }
+}
+
 /// One half of an ensemble, sorted by type.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Pool {
@@ -65,31 +108,30 @@ pub struct Pool {
 impl Pool {
     /// Sorts paths `first_index..first_index + keys.len()`, whose keys are given in the order of their indices.
     ///
-    /// A counting sort in three passes. With D distinct keys it takes O(N log D); D is a few dozen whatever N is,
-    /// so the cost a path is a search of about five comparisons and two scattered writes: O(N).
+    /// A counting sort: types are numbered as they are met, counted, put in order, and paths written behind one another.
     pub fn build(keys: &[TypeKey], first_index: u32) -> Self {
-        let mut counts = BTreeMap::<TypeKey, u32>::new();
-        for &key in keys {
-            *counts.entry(key).or_default() += 1;
-        }
+        let mut numbers = Numbers::default();
+        let number_of: Vec<u32> = keys.iter().map(|key| numbers.count(*key)).collect();
+        let mut in_order: Vec<u32> = (0..numbers.counts.len() as u32).collect();
+        in_order.sort_unstable_by_key(|number| numbers.counts[*number as usize].0);
 
         let mut pool = Self { order: vec![0; keys.len()], ..Self::default() };
+        let mut next = vec![0; in_order.len()];
         let mut offset = 0;
-        for (&key, &count) in &counts {
+        for number in in_order {
+            let (key, count) = numbers.counts[number as usize];
             pool.types.push(TypeNode { key, range: NodeRange { offset, count } });
             match pool.lengths.last_mut() {
                 Some(node) if node.edges == key.edges() => node.range.count += count,
                 _ => pool.lengths.push(LengthNode { edges: key.edges(), range: NodeRange { offset, count } }),
             }
+            next[number as usize] = offset;
             offset += count;
         }
-
-        let mut next: Vec<u32> = pool.types.iter().map(|node| node.range.offset).collect();
-        for (index, key) in (first_index..).zip(keys) {
-            // Every key is among the types: they were made from the same slice.
-            let slot = &mut next[pool.types.partition_point(|node| node.key < *key)];
-            pool.order[*slot as usize] = index;
-            *slot += 1;
+        for (index, number) in (first_index..).zip(number_of) {
+            let place = &mut next[number as usize];
+            pool.order[*place as usize] = index;
+            *place += 1;
         }
         pool
     }

@@ -6,27 +6,28 @@
 //! smaller steps, which change nothing but when the host hears of them.
 
 mod crossover;
+mod halves;
 mod observations;
 mod tallies;
 
 use std::collections::VecDeque;
 
-use super::bootstrap::{Bootstrap, Mean, weight};
+use rayon::prelude::*;
+
+use super::bootstrap::{Bootstrap, Mean};
 pub use super::build::{Build, list_words};
 use super::cuts::CutList;
 use super::groups::Group;
-use super::guidance::{Guidance, NORMAL_LENGTH, SIMILARITY_RADIUS};
 use super::mix::Mix;
 use super::mixing::Mixing;
-use super::pool::{Pool, TypeKey};
-use super::similarity::similarity_median;
+use super::runs::merged;
 use super::type_shares::TypeShares;
 use super::work::Work;
-use crate::gpu::layout::{COUNTER_WORDS, PassUniform, ROW_KEY, guide_rows, row_guide, unpack_position};
-use crate::gpu::run::{Buffer, Dispatch, PASS_SLOTS, Run};
+use crate::Result;
+use crate::gpu::layout::{COUNTER_WORDS, PassUniform};
+use crate::gpu::run::{Dispatch, PASS_SLOTS, Run};
 use crate::kernels::Family;
 use crate::reference::rng;
-use crate::{Error, Result};
 use tallies::Tally;
 
 /// Dimension block from which the host draws the independence kernel's strategy.
@@ -95,8 +96,7 @@ impl Ensemble {
             mixing: Mixing::new(build.groups),
         };
         for half in 0..2 {
-            let rows = ensemble.read_key_rows(run, half)?;
-            ensemble.halves[half] = ensemble.groups_of(&rows, half)?;
+            ensemble.regroup(run, half, false)?;
             ensemble.freeze(run, half)?;
         }
         Ok(ensemble)
@@ -166,18 +166,14 @@ impl Ensemble {
         } else {
             self.bidirectional(run, half, kernel)?;
         }
-        let rows = self.read_key_rows(run, half)?;
-        self.halves[half] = self.groups_of(&rows, half)?;
-        if kernel == INDEPENDENCE {
-            if number == 0 {
-                self.observe(run, half, &rows)?;
-            }
-            for row in &rows {
-                let log_weight = f64::from(f32::from_bits(row[3]));
-                let log_w = if self.build.two_stage { f64::from(f32::from_bits(row[2])) } else { 0.0 };
-                self.b.add(weight(log_weight));
-                self.target.add(weight(log_weight - log_w));
-            }
+        let samples = self.regroup(run, half, kernel == INDEPENDENCE)?;
+        if kernel == INDEPENDENCE && number == 0 {
+            self.observe(run, half)?;
+        }
+        // One after another, so that rounding does not depend on threads.
+        for [of_b, of_target] in samples.into_iter().flatten() {
+            self.b.add(of_b);
+            self.target.add(of_target);
         }
         Ok(())
     }
@@ -185,16 +181,24 @@ impl Ensemble {
     /// The independence mutation: log w of every path, then the proposals, sorted by what they draw.
     fn independence(&mut self, run: &mut Run, half: usize) -> Result<()> {
         let half_paths = self.build.groups.half_paths();
+        let drawn = |entry: &[u32; 2]| (entry[1] & 0xffff, entry[1] >> 16);
         let first = self.build.groups.first_of_half(half);
-        let mut entries: Vec<[u32; 2]> = (first..first + half_paths)
-            .map(|path| {
-                // Drawn here, from the path's own random numbers, only so that the list can be sorted by it.
-                let words = rng::random_words(self.build.seed, path, self.pass_index, DIMENSION_STRATEGY);
-                let [edges, light] = self.bootstrap.strategies.pick(rng::uniform(words[0]));
-                [path, edges | light << 16]
-            })
-            .collect();
-        entries.sort_by_key(|e| (e[1] & 0xffff, e[1] >> 16));
+        let group_paths = self.build.groups.group_paths();
+        let of_group = |group: u32| {
+            let first = first + group * group_paths;
+            let mut entries: Vec<[u32; 2]> = (first..first + group_paths)
+                .map(|path| {
+                    // Drawn here, from the path's own random numbers, only so that the list can be sorted by it.
+                    let words = rng::random_words(self.build.seed, path, self.pass_index, DIMENSION_STRATEGY);
+                    let [edges, light] = self.bootstrap.strategies.pick(rng::uniform(words[0]));
+                    [path, edges | light << 16]
+                })
+                .collect();
+            entries.sort_by_key(drawn);
+            entries
+        };
+        let drawn_by_groups: Vec<_> = (0..self.build.groups.count()).into_par_iter().map(of_group).collect();
+        let entries = merged(&drawn_by_groups, drawn);
         run.set_lists(bytemuck::cast_slice(&entries));
         let uniform = PassUniform {
             pass_index: self.pass_index,
@@ -214,8 +218,10 @@ impl Ensemble {
         let kernels: Vec<_> = self.mix.kernels().collect();
         let kernel_of = kernels[kernel];
         let groups = (0..).zip(&self.halves[half]).zip(&self.halves[1 - half]);
+        let groups: Vec<_> =
+            groups.map(|((group, x), y)| (&x.pool, &y.pool, self.build.groups.first(1 - half, group))).collect();
         let list = CutList::draw(
-            groups.map(|((group, x), y)| (&x.pool, &y.pool, self.build.groups.first(1 - half, group))),
+            &groups,
             |path, dimension| rng::random_words(self.build.seed, path, self.pass_index, dimension),
             self.build.min_edges..=self.build.max_edges,
         );
@@ -285,78 +291,6 @@ impl Ensemble {
         }
         self.pass_index += 1;
         dispatches
-    }
-
-    /// What the frozen half tells the moving one, taken after all its moves (METHOD.md C6e).
-    fn freeze(&mut self, run: &mut Run, half: usize) -> Result<()> {
-        if !self.mix.guided() {
-            return Ok(());
-        }
-        let first = self.build.groups.first_of_half(half);
-        let count = self.build.groups.half_paths();
-        // The pools' orders one after another: a group's guides take the columns of its own paths.
-        let order = self.halves[half].iter().flat_map(|group| &group.pool.order);
-        let words: Vec<u32> = order.flat_map(|&path| [path, 0]).collect();
-        run.set_lists(&words);
-        let uniform = PassUniform { entries: count, guides_first: first, ..self.build.uniform() };
-        run.submit(&[Dispatch { variant: self.build.variant("gather", &[]), uniform }])?;
-        let Guidance { normals, guides, .. } = self.build.guidance;
-        let ranges: Vec<_> = (0..guide_rows(self.build.max_edges, normals))
-            .map(|i| {
-                let row = (row_guide(self.build.max_edges) + i) as u64;
-                let start = 16 * (row * u64::from(self.build.groups.paths()) + u64::from(first));
-                start..start + 16 * u64::from(count)
-            })
-            .collect();
-        let bytes = run.read_ranges(Buffer::Chains, &ranges)?;
-        let rows: &[[u32; 4]] = bytemuck::cast_slice(&bytes);
-        let read =
-            |place: u32, word: usize| unpack_position(rows[word / 4 * count as usize + place as usize][word % 4]);
-        let mut begin = 0;
-        for group in &mut self.halves[half] {
-            let position = |place, vertex| read(begin + place, 1 + vertex);
-            let with_normal = |place, vertex| {
-                let [x, y, z] = position(place, vertex);
-                let n = read(begin + place, 1 + self.build.max_edges as usize + vertex).map(|n| NORMAL_LENGTH * n);
-                [x, y, z, n[0], n[1], n[2]]
-            };
-            let median = if normals {
-                similarity_median(&group.pool, with_normal, SIMILARITY_RADIUS, guides)
-            } else {
-                similarity_median(&group.pool, position, SIMILARITY_RADIUS, guides)
-            };
-            // A pool in which no path has company guides nobody: any median will do.
-            group.similarity_median = median.unwrap_or(0.0);
-            begin += group.pool.order.len() as u32;
-        }
-        Ok(())
-    }
-
-    fn read_key_rows(&self, run: &mut Run, half: usize) -> Result<Vec<[u32; 4]>> {
-        self.read_rows(run, half, &[ROW_KEY])
-    }
-
-    /// Rows of the paths of a half, one after another.
-    fn read_rows(&self, run: &mut Run, half: usize, rows: &[usize]) -> Result<Vec<[u32; 4]>> {
-        let groups = self.build.groups;
-        let range = |row: &usize| {
-            let start = 16 * (*row as u64 * u64::from(groups.paths()) + u64::from(groups.first_of_half(half)));
-            start..start + 16 * u64::from(groups.half_paths())
-        };
-        let ranges: Vec<_> = rows.iter().map(range).collect();
-        Ok(bytemuck::cast_slice(&run.read_ranges(Buffer::Chains, &ranges)?).to_vec())
-    }
-
-    /// The groups of a half by the types of its paths, as the device tells them.
-    fn groups_of(&self, rows: &[[u32; 4]], half: usize) -> Result<Vec<Group>> {
-        let keys: Option<Vec<TypeKey>> = rows.iter().map(|row| TypeKey::from_words([row[0], row[1]])).collect();
-        let keys = keys.ok_or_else(|| {
-            Error::runtime(
-                "the device returned paths without a type: its driver miscomputes, try another with --device",
-            )
-        })?;
-        let stretches = (0..).zip(keys.chunks_exact(self.build.groups.group_paths() as usize));
-        Ok(stretches.map(|(group, keys)| Group::new(Pool::build(keys, self.build.groups.first(half, group)))).collect())
     }
 
     /// b and its standard error, from the candidates and all independent proposals since.

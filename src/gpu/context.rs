@@ -73,24 +73,28 @@ pub fn list() -> Vec<DeviceDescription> {
     adapters().iter().map(|a| describe(&a.get_info())).collect()
 }
 
+/// The first device whose name contains `name` (any case), or the preferred one.
+pub fn find(name: Option<&str>) -> Result<DeviceDescription> {
+    Ok(describe(&adapter(name)?.get_info()))
+}
+
+fn adapter(name: Option<&str>) -> Result<wgpu::Adapter> {
+    let mut adapters = adapters();
+    if adapters.is_empty() {
+        return Err(Error::runtime(NO_DEVICE));
+    }
+    let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
+    let wanted = |own: &String| name.is_none_or(|n| own.to_lowercase().contains(&n.to_lowercase()));
+    let place = names.iter().position(wanted).ok_or_else(|| {
+        Error::input(format!("no device is called '{}': choose one of {}", name.unwrap_or_default(), names.join(", ")))
+    })?;
+    Ok(adapters.swap_remove(place))
+}
+
 impl Context {
-    /// Opens the first device whose name contains `name` (any case), or the preferred one.
+    /// Opens the device that [`find`] finds.
     pub fn open(name: Option<&str>) -> Result<Self> {
-        let adapters = adapters();
-        if adapters.is_empty() {
-            return Err(Error::runtime(NO_DEVICE));
-        }
-        let wanted =
-            |a: &&wgpu::Adapter| name.is_none_or(|n| a.get_info().name.to_lowercase().contains(&n.to_lowercase()));
-        let adapter = adapters.iter().find(wanted).ok_or_else(|| {
-            let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
-            Error::input(format!(
-                "no device is called '{}': choose one of {}",
-                name.unwrap_or_default(),
-                names.join(", ")
-            ))
-        })?;
-        Self::on(adapter)
+        Self::on(&adapter(name)?)
     }
 
     /// A new device of `adapter`.

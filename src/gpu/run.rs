@@ -236,7 +236,7 @@ impl<'a> Run<'a> {
             return Ok(());
         };
         if waiting > 0 {
-            let bytes = self.copy(&stamps, std::slice::from_ref(&(0..waiting)))?;
+            let bytes = self.look_at_copy(&stamps, std::slice::from_ref(&(0..waiting)), <[u8]>::to_vec)?;
             self.timer.iter_mut().for_each(|timer| timer.take(&bytes));
         }
         Ok(())
@@ -317,11 +317,21 @@ impl<'a> Run<'a> {
 
     /// Waits for all work, then copies byte ranges of a buffer, one after another.
     pub fn read_ranges(&mut self, buffer: Buffer, ranges: &[Range<u64>]) -> Result<Vec<u8>> {
-        let source = self.buffer(buffer).clone();
-        self.copy(&source, ranges)
+        self.look_at(buffer, ranges, <[u8]>::to_vec)
     }
 
-    fn copy(&mut self, source: &wgpu::Buffer, ranges: &[Range<u64>]) -> Result<Vec<u8>> {
+    /// Waits for all work, then shows byte ranges of a buffer, one after another: for a look at a few of many.
+    pub fn look_at<T>(&mut self, buffer: Buffer, ranges: &[Range<u64>], look: impl FnOnce(&[u8]) -> T) -> Result<T> {
+        let source = self.buffer(buffer).clone();
+        self.look_at_copy(&source, ranges, look)
+    }
+
+    fn look_at_copy<T>(
+        &mut self,
+        source: &wgpu::Buffer,
+        ranges: &[Range<u64>],
+        look: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T> {
         let total: u64 = ranges.iter().map(|r| r.end - r.start).sum();
         let device = &self.context.device;
         if self.staging.as_ref().is_none_or(|s| s.size() < total) {
@@ -345,12 +355,12 @@ impl<'a> Run<'a> {
         let slice = staging.slice(..total);
         slice.map_async(wgpu::MapMode::Read, |_| ());
         self.wait()?;
-        let bytes = slice
+        let seen = slice
             .get_mapped_range()
-            .map_err(|e| Error::runtime(format!("the device's memory could not be read: {e}")))?
-            .to_vec();
+            .map(|bytes| look(&bytes))
+            .map_err(|e| Error::runtime(format!("the device's memory could not be read: {e}")))?;
         staging.unmap();
         self.staging = Some(staging);
-        Ok(bytes)
+        Ok(seen)
     }
 }

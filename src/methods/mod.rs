@@ -19,6 +19,7 @@ use crate::scene::material::GLOSSY_AS_SPECULAR_ALPHA;
 use crate::scene::{Camera, Lens};
 pub use chain_film::ACCEPTANCE;
 pub use chains::default_mix;
+pub(crate) use render::render_since;
 pub use render::{render, render_on};
 pub use session::{Prepared, Session, Stage};
 
@@ -121,6 +122,26 @@ pub struct Settings {
     pub glossy_as_specular_alpha: f32,
 }
 
+/// Paths in the ensemble of a software device, on which more would fill no more lanes.
+const SOFTWARE_ENSEMBLE: u32 = 1 << 14;
+/// The most that a GPU is given by default: a half of them leaves few of its threads idle.
+const MOST_OF_A_GPU: u32 = 1 << 17;
+/// Mutations that each path should make at least: as many as whole sweeps of some weight leave to a short render.
+const FEWEST_MUTATIONS: f64 = 320.0;
+
+/// Paths in the ensemble unless told otherwise. A GPU needs many to be busy, and has made the more mutations with them in
+/// the same time; but few mutations a path would leave the image as the start has made it.
+pub fn default_ensemble(software: bool, budget: Budget, [width, height]: [u32; 2]) -> u32 {
+    let paths = match budget {
+        _ if software => SOFTWARE_ENSEMBLE,
+        Budget::Seconds(_) => MOST_OF_A_GPU,
+        Budget::SamplesPerPixel(n) => (f64::from(n) * f64::from(width) * f64::from(height) / FEWEST_MUTATIONS)
+            .min(f64::from(MOST_OF_A_GPU)) as u32,
+    };
+    // The largest power of two that is not above.
+    (1 << paths.max(1).ilog2()).max(SOFTWARE_ENSEMBLE)
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -132,7 +153,7 @@ impl Default for Settings {
             max_depth: 12,
             camera: None,
             lens: None,
-            ensemble: 16384,
+            ensemble: SOFTWARE_ENSEMBLE,
             groups: MOST_GROUPS,
             candidates: CANDIDATES,
             target_error: None,
@@ -164,4 +185,18 @@ pub struct Outcome {
     /// How uncertain the image is, where it can be told.
     pub uncertainty: Option<Uncertainty>,
     pub statistics: Statistics,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ensembles_fit_the_device_and_the_budget() {
+        let ensemble = |software, spp| default_ensemble(software, Budget::SamplesPerPixel(spp), [640, 480]);
+        assert_eq!([1, 128, u32::MAX].map(|spp| ensemble(true, spp)), [16384; 3]);
+        assert_eq!([1, 16, 32, 128, 1024].map(|spp| ensemble(false, spp)), [16384, 16384, 16384, 65536, 131_072]);
+        assert_eq!(default_ensemble(false, Budget::ENDLESS, [1, 1]), 131_072);
+        assert_eq!(default_ensemble(false, Budget::Seconds(0.1), [1, 1]), 131_072);
+    }
 }

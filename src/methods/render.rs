@@ -25,8 +25,8 @@ pub fn render_on(
     render_since(Instant::now(), context, scene, settings, observer)
 }
 
-/// Set-up counts from `start` on.
-fn render_since(
+/// The same where set-up counts from `start` on.
+pub(crate) fn render_since(
     start: Instant,
     context: &Context,
     scene: &Scene,

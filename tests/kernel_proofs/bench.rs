@@ -147,7 +147,7 @@ impl<'a> Bench<'a> {
     pub fn cut_list(&mut self, count: u32, pass_index: u32) -> (PassUniform, CutList) {
         let moving = self.pool(0, count);
         let random = |path, dimension| rng::random_words(SEED, path, pass_index, dimension);
-        let list = CutList::draw([(&moving, &self.guides, HALF)], random, 1..=MAX_EDGES);
+        let list = CutList::draw(&[(&moving, &self.guides, HALF)], random, 1..=MAX_EDGES);
         self.run.set_lists(&list.words);
         self.lists = list.words.clone();
         (self.cut_uniform(list.entries.len()), list)

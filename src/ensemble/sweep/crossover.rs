@@ -40,8 +40,7 @@ impl Ensemble {
         self.tallies[kernel].mutations += 2 * u64::from(self.build.groups.half_paths());
         self.pass_index += 1;
         run.submit_timed(&dispatches)?;
-        let rows = self.read_key_rows(run, 1 - half)?;
-        self.halves[1 - half] = self.groups_of(&rows, 1 - half)?;
+        self.regroup(run, 1 - half, false)?;
         self.freeze(run, 1 - half)
     }
 }

@@ -1,28 +1,34 @@
 //! What is seen of the chains once in each half-sweep, after its first mutation.
 
+use rayon::prelude::*;
+
 use super::Ensemble;
 use crate::Result;
 use crate::ensemble::mixing::{MixingStatistics, Seen};
 use crate::ensemble::pool::TypeKey;
-use crate::gpu::layout::{ROW_PIXEL, ROW_VERTICES};
-use crate::gpu::run::Run;
+use crate::gpu::layout::{ROW_KEY, ROW_PIXEL, ROW_VERTICES};
+use crate::gpu::run::{Buffer, Run};
 
 impl Ensemble {
-    /// Looks at a half whose key rows are given. Log I is that of the states as they are: the pass `weigh` has just made
-    /// it, or the independence kernel with the state.
-    pub(super) fn observe(&mut self, run: &mut Run, half: usize, keys: &[[u32; 4]]) -> Result<()> {
-        let rows = self.read_rows(run, half, &[ROW_PIXEL, ROW_VERTICES])?;
-        let (pixels, vertices) = rows.split_at(keys.len());
-        let seen: Vec<Seen> = keys
-            .iter()
-            .zip(pixels.iter().zip(vertices))
-            .filter_map(|(key, (pixel, vertex))| {
-                let key = TypeKey::from_words([key[0], key[1]])?;
-                Some(Seen { key, log_i: f32::from_bits(vertex[3]), waited: pixel[3] })
-            })
-            .collect();
-        self.mixing.observe(half, &seen);
-        Ok(())
+    /// Looks at a half. Log I is that of the states as they are: the pass `weigh` has just made it, or the independence
+    /// kernel with the state.
+    pub(super) fn observe(&mut self, run: &mut Run, half: usize) -> Result<()> {
+        let ranges = self.ranges_of(half, &[ROW_KEY, ROW_PIXEL, ROW_VERTICES]);
+        let mixing = &mut self.mixing;
+        run.look_at(Buffer::Chains, &ranges, |bytes| {
+            let rows: &[[u32; 4]] = bytemuck::cast_slice(bytes);
+            let (keys, rows) = rows.split_at(rows.len() / 3);
+            let (pixels, vertices) = rows.split_at(rows.len() / 2);
+            let seen = |i: usize| {
+                let key = TypeKey::from_words([keys[i][0], keys[i][1]]);
+                Seen {
+                    key: key.expect("the half was grouped by its keys"),
+                    log_i: f32::from_bits(vertices[i][3]),
+                    waited: pixels[i][3],
+                }
+            };
+            mixing.observe(half, &(0..keys.len()).into_par_iter().map(seen).collect::<Vec<_>>());
+        })
     }
 
     /// How well the chains mix, on a film of so many pixels.
