@@ -5,14 +5,12 @@
 //! and the dispatch lists are sorted by type. Paths that no kernel applies to rest with their weight (C6a). It can be made in
 //! smaller steps, which change nothing but when the host hears of them.
 
+mod chores;
 mod crossover;
 mod halves;
-mod observations;
 mod tallies;
 
 use std::collections::VecDeque;
-
-use rayon::prelude::*;
 
 use super::bootstrap::{Bootstrap, Mean};
 pub use super::build::{Build, list_words};
@@ -20,7 +18,6 @@ use super::cuts::CutList;
 use super::groups::Group;
 use super::mix::Mix;
 use super::mixing::Mixing;
-use super::runs::merged;
 use super::type_shares::TypeShares;
 use super::work::Work;
 use crate::Result;
@@ -28,10 +25,9 @@ use crate::gpu::layout::{COUNTER_WORDS, PassUniform};
 use crate::gpu::run::{Dispatch, PASS_SLOTS, Run};
 use crate::kernels::Family;
 use crate::reference::rng;
+use chores::Chores;
 use tallies::Tally;
 
-/// Dimension block from which the host draws the independence kernel's strategy.
-const DIMENSION_STRATEGY: u32 = 0xffff;
 /// The independence kernel's number in every mix.
 const INDEPENDENCE: usize = 0;
 
@@ -68,6 +64,8 @@ pub struct Ensemble {
     target: Mean,
     types: TypeShares,
     mixing: Mixing,
+    /// Host work that waits until the device has perturbations to make.
+    chores: Chores,
 }
 
 impl Ensemble {
@@ -94,6 +92,7 @@ impl Ensemble {
             target,
             types,
             mixing: Mixing::new(build.groups),
+            chores: Chores::default(),
         };
         for half in 0..2 {
             ensemble.regroup(run, half, false)?;
@@ -139,6 +138,7 @@ impl Ensemble {
                 let last = waiting.is_empty();
                 run.submit_timed(&now)?;
                 if last {
+                    self.do_chores(half);
                     self.freeze(run, half)?;
                     self.tally(run)?;
                     let nodes = self.halves[half].iter().flat_map(|group| &group.pool.types);
@@ -167,13 +167,11 @@ impl Ensemble {
             self.bidirectional(run, half, kernel)?;
         }
         let samples = self.regroup(run, half, kernel == INDEPENDENCE)?;
-        if kernel == INDEPENDENCE && number == 0 {
-            self.observe(run, half)?;
-        }
-        // One after another, so that rounding does not depend on threads.
-        for [of_b, of_target] in samples.into_iter().flatten() {
-            self.b.add(of_b);
-            self.target.add(of_target);
+        if kernel == INDEPENDENCE {
+            self.chores.samples.extend(samples);
+            if number == 0 {
+                self.chores.seen = self.look(run, half)?;
+            }
         }
         Ok(())
     }
@@ -181,24 +179,10 @@ impl Ensemble {
     /// The independence mutation: log w of every path, then the proposals, sorted by what they draw.
     fn independence(&mut self, run: &mut Run, half: usize) -> Result<()> {
         let half_paths = self.build.groups.half_paths();
-        let drawn = |entry: &[u32; 2]| (entry[1] & 0xffff, entry[1] >> 16);
-        let first = self.build.groups.first_of_half(half);
-        let group_paths = self.build.groups.group_paths();
-        let of_group = |group: u32| {
-            let first = first + group * group_paths;
-            let mut entries: Vec<[u32; 2]> = (first..first + group_paths)
-                .map(|path| {
-                    // Drawn here, from the path's own random numbers, only so that the list can be sorted by it.
-                    let words = rng::random_words(self.build.seed, path, self.pass_index, DIMENSION_STRATEGY);
-                    let [edges, light] = self.bootstrap.strategies.pick(rng::uniform(words[0]));
-                    [path, edges | light << 16]
-                })
-                .collect();
-            entries.sort_by_key(drawn);
-            entries
+        let entries = match self.chores.drawn.take() {
+            Some((pass_index, entries)) if pass_index == self.pass_index => entries,
+            _ => self.draw_strategies(half),
         };
-        let drawn_by_groups: Vec<_> = (0..self.build.groups.count()).into_par_iter().map(of_group).collect();
-        let entries = merged(&drawn_by_groups, drawn);
         run.set_lists(bytemuck::cast_slice(&entries));
         let uniform = PassUniform {
             pass_index: self.pass_index,
