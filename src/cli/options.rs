@@ -8,7 +8,7 @@ use glam::Vec3;
 use crate::ensemble::groups::MOST_GROUPS;
 use crate::ensemble::guidance::{Guidance, MOST_GUIDES};
 use crate::ensemble::mix::Mix;
-use crate::methods::{Budget, Direct, MAX_SIDE, Method, Settings, default_ensemble, default_size};
+use crate::methods::{Budget, Direct, MAX_SIDE, Method, Settings, default_candidates, default_ensemble, default_size};
 use crate::scene::environment;
 use crate::scene::import::import;
 use crate::scene::{Camera, Lens, Scene};
@@ -59,6 +59,11 @@ pub struct Options {
     /// path 320 mutations]
     #[arg(long, value_name = "N", value_parser = parse_ensemble)]
     pub ensemble: Option<u32>,
+
+    /// Candidates among which the chains' starts are chosen, and which first tell the image's brightness (mlt, emlt)
+    /// [default: an eighth of the mutations, at least a million]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(65536..=1 << 26))]
+    pub candidates: Option<u32>,
 
     /// Independent groups into which the ensemble is split: their scatter tells the image's error (mlt, emlt)
     #[arg(long, value_name = "N", default_value_t = MOST_GROUPS, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_GROUPS)))]
@@ -191,6 +196,7 @@ impl Options {
             camera: self.camera.clone(),
             lens: self.through()?,
             ensemble: self.ensemble.unwrap_or_else(|| default_ensemble(software, budget, [width, height])),
+            candidates: self.candidates.unwrap_or_else(|| default_candidates(software, budget, [width, height])),
             groups: self.groups,
             kernels: self.kernels.as_deref().map(Mix::parse).transpose()?,
             guidance: Guidance {
@@ -262,7 +268,9 @@ mod tests {
     #[test]
     fn no_flags_give_the_default_settings() {
         let settings = options("a.glb").settings(&camera(None), Settings::default().budget, true).unwrap();
-        assert_eq!(format!("{settings:?}"), format!("{:?}", Settings::default()));
+        // Settings alone do not follow the budget.
+        let default = Settings { candidates: 1 << 22, ..Settings::default() };
+        assert_eq!(format!("{settings:?}"), format!("{default:?}"));
     }
 
     #[test]

@@ -1,7 +1,12 @@
 //! The start: b and the seeds, from bidirectional candidates (METHOD.md 1.2, 1.3).
 
+use std::mem;
+
+use rayon::prelude::*;
+
 use super::groups::Groups;
 use super::pool::TypeKey;
+use super::seeds::Lit;
 use super::strategies::{INDIRECT_EDGES, Strategies};
 use super::two_stage::PixelWeights;
 use super::type_shares::TypeShares;
@@ -128,22 +133,55 @@ pub struct Start {
 
 /// Candidates on their way, a batch at a time.
 struct Draw {
+    strategies: Strategies,
     pass_index: u32,
-    list: Vec<[u32; 2]>,
-    candidates: Vec<Candidate>,
+    /// Of the systematic draw of strategies.
+    offset: f64,
+    count: u32,
+    made: u32,
+    batch: Vec<Candidate>,
 }
 
 impl Draw {
     fn is_done(&self) -> bool {
-        self.candidates.len() == self.list.len()
+        self.made == self.count
+    }
+
+    /// The strategy of candidate `i`.
+    fn strategy(&self, i: u32) -> [u32; 2] {
+        self.strategies.systematic_at(i, self.count, self.offset)
+    }
+}
+
+/// What has been made: of a pilot everything, of those that count only what carries light.
+#[derive(Default)]
+struct Made {
+    pilot: Vec<Candidate>,
+    lit: Vec<Lit>,
+    b: Mean,
+    rays: u64,
+    non_finite: usize,
+}
+
+impl Made {
+    fn count(&mut self, first: u32, batch: &[Candidate]) {
+        let lit = |(i, candidate): (usize, &Candidate)| {
+            let Candidate { log_weight, pixel, key, .. } = *candidate;
+            (candidate.weight() > 0.0).then_some(Lit { index: first + i as u32, log_weight, pixel, key })
+        };
+        let begin = self.lit.len();
+        self.lit.par_extend(batch.par_iter().enumerate().filter_map(lit));
+        self.lit[begin..].iter().for_each(|lit| self.b.add(weight(lit.log_weight.into())));
+        // The others add nothing but their number.
+        self.b.count += (batch.len() - (self.lit.len() - begin)) as f64;
+        self.non_finite += batch.iter().filter(|c| !f64::from(c.log_weight).exp().is_finite()).count();
     }
 }
 
 /// A start on its way: first the pilots' candidates, then those that count.
 pub struct Starting {
-    strategies: Strategies,
     pixel_weights: Option<PixelWeights>,
-    rays: u64,
+    made: Made,
     /// That count.
     candidates: u32,
     /// Candidates of each pilot: no more than those that count.
@@ -157,7 +195,7 @@ impl Starting {
     /// Share of the candidates that are made, in [0, 1].
     pub fn share(&self) -> f64 {
         let sum = |counts: &[u32]| f64::from(counts.iter().sum::<u32>());
-        let before = sum(&self.pilots[..self.round]) + self.draw.candidates.len() as f64;
+        let before = sum(&self.pilots[..self.round]) + f64::from(self.draw.made);
         before / (sum(&self.pilots) + f64::from(self.candidates))
     }
 
@@ -194,8 +232,8 @@ impl Start {
         let strategies = self.even();
         let pilots = if self.two_stage.is_some_and(|gamma| gamma > 0.0) { TWO_STAGE_PILOTS } else { PILOTS };
         let pilots = pilots.map(|count| count.min(self.candidates));
-        let draw = self.draw(run, &strategies, pilots[0], PILOT_PASSES[0]);
-        Starting { strategies, pixel_weights: None, rays: 0, candidates: self.candidates, pilots, round: 0, draw }
+        let draw = self.draw(run, strategies, pilots[0], PILOT_PASSES[0]);
+        Starting { pixel_weights: None, made: Made::default(), candidates: self.candidates, pilots, round: 0, draw }
     }
 
     /// Strategies before anything is known.
@@ -205,49 +243,52 @@ impl Start {
 
     /// Makes one batch of candidates; whether more are to be made.
     pub fn step(&self, run: &mut Run, starting: &mut Starting) -> crate::Result<bool> {
-        self.batch(run, &mut starting.draw)?;
-        if starting.round < starting.pilots.len() && starting.draw.is_done() {
-            let Draw { list, candidates: pilot, .. } = &starting.draw;
-            starting.rays += rays(pilot);
-            starting.strategies = starting.strategies.adapted(
-                list.iter()
-                    .zip(pilot)
-                    .zip(waited_for(pilot))
-                    .map(|((strategy, candidate), rays)| (*strategy, candidate.weight(), rays)),
+        let Starting { made, draw, round, pilots, .. } = starting;
+        let first = draw.made;
+        self.batch(run, draw)?;
+        made.rays += rays(&draw.batch);
+        if *round == pilots.len() {
+            made.count(first, &draw.batch);
+            return Ok(!starting.is_done());
+        }
+        made.pilot.extend_from_slice(&draw.batch);
+        if draw.is_done() {
+            let pilot = mem::take(&mut made.pilot);
+            let drawn = (0..).zip(&pilot).zip(waited_for(&pilot));
+            let strategies = draw.strategies.adapted(
+                drawn.map(|((i, candidate), rays)| (draw.strategy(i), candidate.weight(), rays)),
                 &self.even(),
             );
             starting.pixel_weights = self.two_stage.map(|gamma| {
                 let splats: Vec<_> = pilot.iter().map(|candidate| (candidate.pixel, candidate.weight())).collect();
                 PixelWeights::from_pilot(self.film, gamma, &splats)
             });
-            starting.round += 1;
-            starting.draw = match starting.pilots.get(starting.round) {
-                Some(count) => self.draw(run, &starting.strategies, *count, PILOT_PASSES[starting.round]),
-                None => self.draw(run, &starting.strategies, self.candidates, CANDIDATE_PASS),
+            *round += 1;
+            *draw = match pilots.get(*round) {
+                Some(count) => self.draw(run, strategies, *count, PILOT_PASSES[*round]),
+                None => self.draw(run, strategies, starting.candidates, CANDIDATE_PASS),
             };
         }
-        Ok(!starting.is_done())
+        Ok(true)
     }
 
     /// Chooses the seeds among the candidates, once all are made, and fills the chains.
     pub fn finish(&self, run: &mut Run, starting: Starting) -> crate::Result<Option<Bootstrap>> {
         assert!(starting.is_done(), "candidates are missing");
-        let Starting { strategies, pixel_weights, draw: Draw { list, candidates, .. }, .. } = starting;
-        let rays = starting.rays + rays(&candidates);
-        let mut b = Mean::default();
-        candidates.iter().for_each(|candidate| b.add(candidate.weight()));
+        let Starting { pixel_weights, made: Made { lit, b, rays, non_finite, .. }, draw, .. } = starting;
         if b.sum <= 0.0 {
             return Ok(None);
         }
         let counts = |pixel| pixel_weights.as_ref().map_or(1.0, |w| w.at(pixel));
-        let weights: Vec<f64> = candidates.iter().map(|c| c.weight() / counts(c.pixel)).collect();
-        let mut target = Mean::default();
+        let in_target = |lit: &Lit| weight(lit.log_weight.into()) / counts(lit.pixel);
+        let weights: Vec<f64> = lit.par_iter().map(in_target).collect();
+        let mut target = Mean { count: b.count - lit.len() as f64, ..Mean::default() };
         weights.iter().for_each(|w| target.add(*w));
-        let non_finite = candidates.iter().filter(|c| !f64::from(c.log_weight).exp().is_finite()).count();
         let largest_share = weights.iter().copied().fold(0.0, f64::max) / target.sum;
-        let types = TypeShares::of_start(candidates.iter().map(|c| c.key).zip(weights.iter().copied()));
-        let (chosen, shared) = self.choose(&candidates, &weights);
-        self.fill(run, &list, &chosen)?;
+        let types = TypeShares::of_start(lit.iter().map(|lit| lit.key).zip(weights.iter().copied()));
+        let (chosen, shared) = self.choose(&lit, &weights);
+        self.fill_with(run, chosen.iter().map(|&i| (draw.strategy(i), i)))?;
+        let strategies = draw.strategies;
         Ok(Some(Bootstrap { strategies, b, target, pixel_weights, rays, largest_share, non_finite, shared, types }))
     }
 
@@ -259,26 +300,33 @@ impl Start {
         count: u32,
         pass_index: u32,
     ) -> crate::Result<(Vec<Candidate>, Vec<[u32; 2]>)> {
-        let mut draw = self.draw(run, strategies, count, pass_index);
+        let mut draw = self.draw(run, strategies.clone(), count, pass_index);
+        let mut candidates = Vec::with_capacity(count as usize);
         while !draw.is_done() {
             self.batch(run, &mut draw)?;
+            candidates.extend_from_slice(&draw.batch);
         }
-        Ok((draw.candidates, draw.list))
+        let strategies = (0..count).map(|i| draw.strategy(i)).collect();
+        Ok((candidates, strategies))
     }
 
-    fn draw(&self, run: &Run, strategies: &Strategies, count: u32, pass_index: u32) -> Draw {
+    fn draw(&self, run: &Run, strategies: Strategies, count: u32, pass_index: u32) -> Draw {
         run.set_strategies(&strategies.log_table());
         let offset = rng::uniform(rng::random_words(self.seed, 0, pass_index, u32::MAX)[0]);
-        let list = strategies.systematic(count, offset);
-        Draw { pass_index, list, candidates: Vec::with_capacity(count as usize) }
+        Draw { strategies, pass_index, offset, count, made: 0, batch: Vec::new() }
     }
 
     fn batch(&self, run: &mut Run, draw: &mut Draw) -> crate::Result<()> {
-        let first = draw.candidates.len() as u32;
-        let entries = BATCH.min(draw.list.len() as u32 - first);
-        let words: Vec<u32> =
-            (first..first + entries).flat_map(|i| [draw.list[i as usize][0], draw.list[i as usize][1], i]).collect();
-        run.set_lists(&words);
+        let first = draw.made;
+        let entries = BATCH.min(draw.count - first);
+        let words: Vec<[u32; 3]> = (first..first + entries)
+            .into_par_iter()
+            .map(|i| {
+                let [edges, light] = draw.strategy(i);
+                [edges, light, i]
+            })
+            .collect();
+        run.set_lists(words.as_flattened());
         let variant = variant(self.features, self.min_edges, self.max_edges);
         let uniform = PassUniform {
             entries,
@@ -289,55 +337,23 @@ impl Start {
         };
         run.submit(&[Dispatch { variant, uniform }])?;
         let bytes = run.read(Buffer::Output, 0..size_of::<Candidate>() as u64 * u64::from(entries))?;
-        draw.candidates.extend_from_slice(bytemuck::cast_slice(&bytes));
+        draw.batch = bytemuck::cast_slice(&bytes).to_vec();
+        draw.made += entries;
         Ok(())
-    }
-
-    /// Seeds of both halves: candidates drawn with probability proportional to weight by systematic resampling along a
-    /// Hilbert curve over the film. Every half of every group draws from candidates of its own (METHOD.md 1.3 c), every so
-    /// many of the list, which is sorted by strategy: each has its share of all strategies.
-    /// With the seeds comes whether that could not be done: where hardly any candidates carry light, groups share them.
-    fn choose(&self, candidates: &[Candidate], weights: &[f64]) -> (Vec<u32>, bool) {
-        let side = self.film[0].max(self.film[1]).next_power_of_two();
-        let seeds = self.groups.group_paths();
-        // In the order of paths: the groups of the first half, then those of the second.
-        let mut pools: Vec<Vec<(u64, u32)>> = vec![Vec::new(); 2 * self.groups.count() as usize];
-        let count = pools.len();
-        for (i, candidate) in candidates.iter().enumerate().filter(|(i, _)| weights[*i] > 0.0) {
-            let [x, y] = candidate.pixel.map(|p| p.max(0.0) as u32);
-            pools[i % count].push((hilbert_index(side, x.min(side - 1), y.min(side - 1)), i as u32));
-        }
-        let mut chosen = Vec::with_capacity(self.groups.paths() as usize);
-        let mut shared = false;
-        for (subset, mut pool) in (0..).zip(pools) {
-            if pool.is_empty() {
-                shared = true;
-                pool = (0..candidates.len() as u32).filter(|&i| weights[i as usize] > 0.0).map(|i| (0, i)).collect();
-            }
-            pool.sort_unstable();
-            let total: f64 = pool.iter().map(|(_, i)| weights[*i as usize]).sum();
-            let offset = rng::uniform(rng::random_words(self.seed, subset, CANDIDATE_PASS, u32::MAX - 1)[0]);
-            let mut member = 0;
-            let mut below = 0.0;
-            for n in 0..seeds {
-                let target = (f64::from(n) + offset) / f64::from(seeds) * total;
-                while member + 1 < pool.len() && below + weights[pool[member].1 as usize] <= target {
-                    below += weights[pool[member].1 as usize];
-                    member += 1;
-                }
-                chosen.push(pool[member].1);
-            }
-        }
-        (chosen, shared)
     }
 
     /// Makes the chosen candidates again, into the chains from the first on.
     pub fn fill(&self, run: &mut Run, list: &[[u32; 2]], chosen: &[u32]) -> crate::Result<()> {
-        let words: Vec<u32> = chosen.iter().flat_map(|&i| [list[i as usize][0], list[i as usize][1], i]).collect();
-        run.set_lists(&words);
+        self.fill_with(run, chosen.iter().map(|&i| (list[i as usize], i)))
+    }
+
+    /// The same of candidates given by strategy and number.
+    fn fill_with(&self, run: &mut Run, chosen: impl Iterator<Item = ([u32; 2], u32)>) -> crate::Result<()> {
+        let words: Vec<[u32; 3]> = chosen.map(|([edges, light], i)| [edges, light, i]).collect();
+        run.set_lists(words.as_flattened());
         let variant = variant(self.features, self.min_edges, self.max_edges);
         let uniform = PassUniform {
-            entries: chosen.len() as u32,
+            entries: words.len() as u32,
             pass_index: CANDIDATE_PASS,
             keep: 1,
             seed: self.seed,
@@ -351,39 +367,4 @@ impl Start {
 /// Rays that candidates took, all together.
 fn rays(candidates: &[Candidate]) -> u64 {
     candidates.iter().map(|c| c.rays as u64).sum()
-}
-
-/// Position along the Hilbert curve that fills a square of `side` (a power of two) pixels.
-fn hilbert_index(side: u32, mut x: u32, mut y: u32) -> u64 {
-    let mut index = 0u64;
-    let mut s = side / 2;
-    while s > 0 {
-        let (rx, ry) = (u32::from(x & s > 0), u32::from(y & s > 0));
-        index += u64::from(s) * u64::from(s) * u64::from((3 * rx) ^ ry);
-        if ry == 0 {
-            if rx == 1 {
-                (x, y) = (side - 1 - x, side - 1 - y);
-            }
-            std::mem::swap(&mut x, &mut y);
-        }
-        s /= 2;
-    }
-    index
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn hilbert_curve_visits_neighbours() {
-        let side = 16;
-        let mut at: Vec<(u64, u32, u32)> =
-            (0..side * side).map(|i| (hilbert_index(side, i % side, i / side), i % side, i / side)).collect();
-        at.sort_unstable();
-        for (n, pair) in at.windows(2).enumerate() {
-            assert_eq!(pair[0].0, n as u64);
-            assert_eq!(pair[0].1.abs_diff(pair[1].1) + pair[0].2.abs_diff(pair[1].2), 1);
-        }
-    }
 }

@@ -12,6 +12,7 @@ pub mod mix;
 pub mod mixing;
 pub mod pool;
 mod runs;
+mod seeds;
 pub mod similarity;
 pub mod strategies;
 pub mod sweep;

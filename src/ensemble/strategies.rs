@@ -113,7 +113,12 @@ impl Strategies {
 
     /// `count` strategies at (i + offset) / count: each is expected as often as its probability says.
     pub fn systematic(&self, count: u32, offset: f64) -> Vec<[u32; 2]> {
-        (0..count).map(|i| self.pick((f64::from(i) + offset) / f64::from(count))).collect()
+        (0..count).map(|i| self.systematic_at(i, count, offset)).collect()
+    }
+
+    /// Number `i` of these.
+    pub fn systematic_at(&self, i: u32, count: u32, offset: f64) -> [u32; 2] {
+        self.pick((f64::from(i) + offset) / f64::from(count))
     }
 
     /// log P as the shaders read it; what cannot be drawn is -1e30. Row 0, column k is for walks that may take k edges.

@@ -142,6 +142,28 @@ pub fn default_ensemble(software: bool, budget: Budget, [width, height]: [u32; 2
     (1 << paths.max(1).ilog2()).max(SOFTWARE_ENSEMBLE)
 }
 
+/// Mutations for each candidate of the start, and the fewest and most candidates there are by default.
+const MUTATIONS_A_CANDIDATE: f64 = 8.0;
+const MOST_CANDIDATES: u32 = 1 << 24;
+/// Mutations a second to expect where the budget is a time.
+const SOFTWARE_RATE: f64 = 1e6;
+const GPU_RATE: f64 = 5e7;
+
+/// Candidates of the start unless told otherwise: an eighth of the mutations that will follow, at least a million. What the
+/// chains start from and b's first samples leave most of the error of a render that is not very long, so that a larger one
+/// needs a larger start; where its end is not known, it waits no longer than an interactive one may.
+pub fn default_candidates(software: bool, budget: Budget, [width, height]: [u32; 2]) -> u32 {
+    let rate = if software { SOFTWARE_RATE } else { GPU_RATE };
+    let mutations = match budget {
+        Budget::ENDLESS if software => 0.0,
+        Budget::ENDLESS => rate,
+        Budget::Seconds(s) => s * rate,
+        Budget::SamplesPerPixel(n) => f64::from(n) * f64::from(width) * f64::from(height),
+    };
+    let candidates = (mutations / MUTATIONS_A_CANDIDATE).min(f64::from(MOST_CANDIDATES)) as u32;
+    (1 << candidates.max(1).ilog2()).max(CANDIDATES)
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -198,5 +220,15 @@ mod tests {
         assert_eq!([1, 16, 32, 128, 1024].map(|spp| ensemble(false, spp)), [16384, 16384, 16384, 65536, 131_072]);
         assert_eq!(default_ensemble(false, Budget::ENDLESS, [1, 1]), 131_072);
         assert_eq!(default_ensemble(false, Budget::Seconds(0.1), [1, 1]), 131_072);
+    }
+    #[test]
+    fn starts_grow_with_the_budget() {
+        let million = 1 << 20;
+        let candidates = |software, spp| default_candidates(software, Budget::SamplesPerPixel(spp), [640, 480]);
+        assert_eq!([1, 27, 128, 100_000].map(|spp| candidates(true, spp)), [1, 1, 4, 16].map(|n| n * million));
+        assert_eq!(candidates(false, 128), 4 * million);
+        let unknown = [Budget::ENDLESS, Budget::Seconds(10.0), Budget::Seconds(60.0)];
+        assert_eq!(unknown.map(|budget| default_candidates(true, budget, [1, 1])), [1, 1, 4].map(|n| n * million));
+        assert_eq!(unknown.map(|budget| default_candidates(false, budget, [1, 1])), [4, 16, 16].map(|n| n * million));
     }
 }

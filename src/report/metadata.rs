@@ -52,6 +52,7 @@ pub fn attributes(scene: &Scene, settings: &Settings, statistics: &Statistics) -
     }
     if !statistics.kernels.is_empty() {
         list.push(("ensemble", f64::from(settings.ensemble).into()));
+        list.push(("candidates", f64::from(settings.candidates).into()));
         list.push(("groups", f64::from(statistics.error.map_or(1, |error| error.groups)).into()));
         let guidance = settings.guidance;
         list.push(("guides", f64::from(guidance.guides).into()));

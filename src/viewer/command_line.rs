@@ -52,9 +52,9 @@ pub fn command_line(scene: &Opened, settings: &Settings, orbit: &Orbit, samples:
         flag("device", quoted(name));
     }
     if settings.method != Method::Pt {
-        if settings.ensemble != default.ensemble {
-            flag("ensemble", settings.ensemble.to_string());
-        }
+        // Both follow the budget and the device elsewhere.
+        flag("ensemble", settings.ensemble.to_string());
+        flag("candidates", settings.candidates.to_string());
         if settings.groups != default.groups {
             flag("groups", settings.groups.to_string());
         }
@@ -132,7 +132,7 @@ mod tests {
         let orbit = Orbit::new(scene.cameras[0].clone(), scene.sphere);
         let settings = Settings { width: 100, height: 10, ..Settings::default() };
         let text = command_line(&scene, &settings, &orbit, 1999, false);
-        assert_eq!(text, "emlt render 'scenes/my box.glb' --method emlt --size 100x10 --spp 2");
+        assert_eq!(text, "emlt render 'scenes/my box.glb' --method emlt --size 100x10 --spp 2 --ensemble 16384 --candidates 1048576");
     }
 
     #[test]
@@ -154,7 +154,7 @@ mod tests {
         };
         assert_eq!(
             command_line(&scene, &settings, &orbit, 0, true),
-            r"emlt render 'scenes/my box.glb' --method mlt --size 640x480 --spp 1 --camera 'Bob'\''s' --look-from 0.1,-2,3.5 --look-at 0,0,0 --aperture 0.05 --focus 2.5 --seed 7 --max-depth 5 --ensemble 1024 --groups 4 --direct pt --two-stage 0.5 --kernels independence=0.1,lens=1 --maps"
+            r"emlt render 'scenes/my box.glb' --method mlt --size 640x480 --spp 1 --camera 'Bob'\''s' --look-from 0.1,-2,3.5 --look-at 0,0,0 --aperture 0.05 --focus 2.5 --seed 7 --max-depth 5 --ensemble 1024 --candidates 1048576 --groups 4 --direct pt --two-stage 0.5 --kernels independence=0.1,lens=1 --maps"
         );
     }
 }
