@@ -55,7 +55,7 @@ pub struct Options {
     #[command(flatten)]
     pub lens: LensOptions,
 
-    /// Paths in the ensemble, an even number (mlt, emlt) [default: 16384; on a GPU up to 131072, as many as leave each
+    /// Paths in the ensemble, an even number (mlt, emlt) [default: 16384; on a GPU up to 262144, as many as leave each
     /// path 320 mutations]
     #[arg(long, value_name = "N", value_parser = parse_ensemble)]
     pub ensemble: Option<u32>,

@@ -125,7 +125,7 @@ pub struct Settings {
 /// Paths in the ensemble of a software device, on which more would fill no more lanes.
 const SOFTWARE_ENSEMBLE: u32 = 1 << 14;
 /// The most that a GPU is given by default: a half of them leaves few of its threads idle.
-const MOST_OF_A_GPU: u32 = 1 << 17;
+const MOST_OF_A_GPU: u32 = 1 << 18;
 /// Mutations that each path should make at least: as many as whole sweeps of some weight leave to a short render.
 const FEWEST_MUTATIONS: f64 = 320.0;
 
@@ -217,9 +217,9 @@ mod tests {
     fn ensembles_fit_the_device_and_the_budget() {
         let ensemble = |software, spp| default_ensemble(software, Budget::SamplesPerPixel(spp), [640, 480]);
         assert_eq!([1, 128, u32::MAX].map(|spp| ensemble(true, spp)), [16384; 3]);
-        assert_eq!([1, 16, 32, 128, 1024].map(|spp| ensemble(false, spp)), [16384, 16384, 16384, 65536, 131_072]);
-        assert_eq!(default_ensemble(false, Budget::ENDLESS, [1, 1]), 131_072);
-        assert_eq!(default_ensemble(false, Budget::Seconds(0.1), [1, 1]), 131_072);
+        assert_eq!([1, 16, 32, 128, 1024].map(|spp| ensemble(false, spp)), [16384, 16384, 16384, 65536, 262_144]);
+        assert_eq!(default_ensemble(false, Budget::ENDLESS, [1, 1]), 262_144);
+        assert_eq!(default_ensemble(false, Budget::Seconds(0.1), [1, 1]), 262_144);
     }
     #[test]
     fn starts_grow_with_the_budget() {
