@@ -8,6 +8,7 @@ use glam::Vec3;
 use crate::ensemble::groups::MOST_GROUPS;
 use crate::ensemble::guidance::{Guidance, MOST_GUIDES};
 use crate::ensemble::mix::Mix;
+use crate::ensemble::pool::MAX_EDGES;
 use crate::methods::{Direct, MAX_SIDE, Method, Settings, default_size};
 use crate::scene::environment;
 use crate::scene::import::import;
@@ -37,7 +38,7 @@ pub struct Options {
     pub seed: u32,
 
     /// Longest path, in edges from camera to light
-    #[arg(long, value_name = "K", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=31))]
+    #[arg(long, value_name = "K", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_EDGES)))]
     pub max_depth: u32,
 
     /// Camera by name [default: the scene's first]

@@ -4,7 +4,7 @@
 //! type string. Here every node of that tree is a range of one sorted array, [`Pool::order`]. The same order
 //! serves as guide pool when the other half moves and as dispatch list when this half moves.
 
-pub use super::type_key::{MAX_EDGES, Tag, TypeKey};
+pub use super::type_key::{MAX_EDGES, Tag, TypeKey, abbreviated};
 use std::collections::BTreeMap;
 
 /// A range of [`Pool::order`].
@@ -183,7 +183,7 @@ mod tests {
         (0..count)
             .map(|_| {
                 let edges = 1 + draw(u64::from(longest_edges)) as u32;
-                TypeKey::new(edges, (1..edges).fold(0, |tags, _| tags << 2 | draw(3)))
+                TypeKey::new(edges, (1..edges).fold(0, |tags, _| tags << 2 | u128::from(draw(3))))
             })
             .collect()
     }

@@ -6,6 +6,7 @@
 //! smaller steps, which change nothing but when the host hears of them.
 
 mod crossover;
+mod keys;
 mod observations;
 mod tallies;
 
@@ -18,15 +19,14 @@ use super::groups::Group;
 use super::guidance::{Guidance, NORMAL_LENGTH, SIMILARITY_RADIUS};
 use super::mix::Mix;
 use super::mixing::Mixing;
-use super::pool::{Pool, TypeKey};
 use super::similarity::similarity_median;
 use super::type_shares::TypeShares;
 use super::work::Work;
-use crate::gpu::layout::{COUNTER_WORDS, PassUniform, ROW_KEY, guide_rows, row_guide, unpack_position};
+use crate::Result;
+use crate::gpu::layout::{COUNTER_WORDS, PassUniform, guide_rows, row_guide, unpack_position};
 use crate::gpu::run::{Buffer, Dispatch, PASS_SLOTS, Run};
 use crate::kernels::Family;
 use crate::reference::rng;
-use crate::{Error, Result};
 use tallies::Tally;
 
 /// Dimension block from which the host draws the independence kernel's strategy.
@@ -74,7 +74,7 @@ impl Ensemble {
     pub fn new(run: &mut Run, build: Build, mix: Mix, bootstrap: Bootstrap) -> Result<Self> {
         run.set_strategies(&bootstrap.strategies.log_table());
         if let Some(weights) = &bootstrap.pixel_weights {
-            run.set_pixel_weights(weights.table());
+            run.set_pixel_weights(build.max_edges, weights.table());
         }
         let Bootstrap { b, target, .. } = bootstrap;
         let types = bootstrap.types.clone();
@@ -95,8 +95,8 @@ impl Ensemble {
             mixing: Mixing::new(build.groups),
         };
         for half in 0..2 {
-            let rows = ensemble.read_key_rows(run, half)?;
-            ensemble.halves[half] = ensemble.groups_of(&rows, half)?;
+            let rows = ensemble.read_keys(run, half)?;
+            ensemble.halves[half] = ensemble.groups_of(&rows, half);
             ensemble.freeze(run, half)?;
         }
         Ok(ensemble)
@@ -166,15 +166,15 @@ impl Ensemble {
         } else {
             self.bidirectional(run, half, kernel)?;
         }
-        let rows = self.read_key_rows(run, half)?;
-        self.halves[half] = self.groups_of(&rows, half)?;
+        let rows = self.read_keys(run, half)?;
+        self.halves[half] = self.groups_of(&rows, half);
         if kernel == INDEPENDENCE {
             if number == 0 {
                 self.observe(run, half, &rows)?;
             }
             for row in &rows {
-                let log_weight = f64::from(f32::from_bits(row[3]));
-                let log_w = if self.build.two_stage { f64::from(f32::from_bits(row[2])) } else { 0.0 };
+                let log_weight = f64::from(row.log_proposed);
+                let log_w = if self.build.two_stage { f64::from(row.log_w) } else { 0.0 };
                 self.b.add(weight(log_weight));
                 self.target.add(weight(log_weight - log_w));
             }
@@ -330,33 +330,6 @@ impl Ensemble {
             begin += group.pool.order.len() as u32;
         }
         Ok(())
-    }
-
-    fn read_key_rows(&self, run: &mut Run, half: usize) -> Result<Vec<[u32; 4]>> {
-        self.read_rows(run, half, &[ROW_KEY])
-    }
-
-    /// Rows of the paths of a half, one after another.
-    fn read_rows(&self, run: &mut Run, half: usize, rows: &[usize]) -> Result<Vec<[u32; 4]>> {
-        let groups = self.build.groups;
-        let range = |row: &usize| {
-            let start = 16 * (*row as u64 * u64::from(groups.paths()) + u64::from(groups.first_of_half(half)));
-            start..start + 16 * u64::from(groups.half_paths())
-        };
-        let ranges: Vec<_> = rows.iter().map(range).collect();
-        Ok(bytemuck::cast_slice(&run.read_ranges(Buffer::Chains, &ranges)?).to_vec())
-    }
-
-    /// The groups of a half by the types of its paths, as the device tells them.
-    fn groups_of(&self, rows: &[[u32; 4]], half: usize) -> Result<Vec<Group>> {
-        let keys: Option<Vec<TypeKey>> = rows.iter().map(|row| TypeKey::from_words([row[0], row[1]])).collect();
-        let keys = keys.ok_or_else(|| {
-            Error::runtime(
-                "the device returned paths without a type: its driver miscomputes, try another with --device",
-            )
-        })?;
-        let stretches = (0..).zip(keys.chunks_exact(self.build.groups.group_paths() as usize));
-        Ok(stretches.map(|(group, keys)| Group::new(Pool::build(keys, self.build.groups.first(half, group)))).collect())
     }
 
     /// b and its standard error, from the candidates and all independent proposals since.

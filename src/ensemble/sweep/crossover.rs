@@ -40,8 +40,8 @@ impl Ensemble {
         self.tallies[kernel].mutations += 2 * u64::from(self.build.groups.half_paths());
         self.pass_index += 1;
         run.submit_timed(&dispatches)?;
-        let rows = self.read_key_rows(run, 1 - half)?;
-        self.halves[1 - half] = self.groups_of(&rows, 1 - half)?;
+        let rows = self.read_keys(run, 1 - half)?;
+        self.halves[1 - half] = self.groups_of(&rows, 1 - half);
         self.freeze(run, 1 - half)
     }
 }

@@ -1,25 +1,22 @@
 //! What is seen of the chains once in each half-sweep, after its first mutation.
 
 use super::Ensemble;
+use super::keys::KeyRow;
 use crate::Result;
 use crate::ensemble::mixing::{MixingStatistics, Seen};
-use crate::ensemble::pool::TypeKey;
 use crate::gpu::layout::{ROW_PIXEL, ROW_VERTICES};
 use crate::gpu::run::Run;
 
 impl Ensemble {
     /// Looks at a half whose key rows are given. Log I is that of the states as they are: the pass `weigh` has just made
     /// it, or the independence kernel with the state.
-    pub(super) fn observe(&mut self, run: &mut Run, half: usize, keys: &[[u32; 4]]) -> Result<()> {
+    pub(super) fn observe(&mut self, run: &mut Run, half: usize, keys: &[KeyRow]) -> Result<()> {
         let rows = self.read_rows(run, half, &[ROW_PIXEL, ROW_VERTICES])?;
         let (pixels, vertices) = rows.split_at(keys.len());
         let seen: Vec<Seen> = keys
             .iter()
             .zip(pixels.iter().zip(vertices))
-            .filter_map(|(key, (pixel, vertex))| {
-                let key = TypeKey::from_words([key[0], key[1]])?;
-                Some(Seen { key, log_i: f32::from_bits(vertex[3]), waited: pixel[3] })
-            })
+            .map(|(row, (pixel, vertex))| Seen { key: row.key, log_i: f32::from_bits(vertex[3]), waited: pixel[3] })
             .collect();
         self.mixing.observe(half, &seen);
         Ok(())
