@@ -7,6 +7,8 @@
 //! The scene and the reference are those of tests/references; the reference's own noise is subtracted. Another
 //! renderer's images of the same scene and size are compared in the same way.
 
+mod shared;
+
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
@@ -36,16 +38,10 @@ struct Arguments {
     kernels: Vec<String>,
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Method::Emlt, Method::Mlt, Method::Pt])]
     methods: Vec<Method>,
-    /// Passed by cargo
-    #[arg(long, hide = true)]
-    bench: bool,
 }
 
 fn main() {
-    if let Err(error) = run(&Arguments::parse()) {
-        eprintln!("error: {error}");
-        std::process::exit(i32::from(error.exit_status()));
-    }
+    shared::main(run);
 }
 
 /// Processor seconds of this process so far (clock ticks of 1/100 s, as on all Linux systems).

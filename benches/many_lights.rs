@@ -5,6 +5,8 @@
 //!
 //!     cargo bench --bench many_lights -- [--spp 64] [--rounds 5] [--method pt]
 
+mod shared;
+
 use clap::Parser;
 use emlt::film::metrics;
 use emlt::gpu::context::Context;
@@ -22,16 +24,10 @@ struct Arguments {
     rounds: u32,
     #[arg(long, value_enum, default_value_t = Method::Pt)]
     method: Method,
-    /// Passed by cargo
-    #[arg(long, hide = true)]
-    bench: bool,
 }
 
 fn main() {
-    if let Err(error) = run(&Arguments::parse()) {
-        eprintln!("error: {error}");
-        std::process::exit(i32::from(error.exit_status()));
-    }
+    shared::main(run);
 }
 
 fn run(arguments: &Arguments) -> emlt::Result<()> {

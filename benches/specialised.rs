@@ -4,6 +4,8 @@
 //!
 //!     cargo bench --bench specialised -- [--spp 64] [cornell ajar ...]
 
+mod shared;
+
 use std::path::Path;
 
 use clap::Parser;
@@ -25,16 +27,10 @@ struct Arguments {
     spp: u32,
     #[arg(long, value_enum, default_value_t = Method::Emlt)]
     method: Method,
-    /// Passed by cargo
-    #[arg(long, hide = true)]
-    bench: bool,
 }
 
 fn main() {
-    if let Err(error) = run(&Arguments::parse()) {
-        eprintln!("error: {error}");
-        std::process::exit(i32::from(error.exit_status()));
-    }
+    shared::main(run);
 }
 
 fn run(arguments: &Arguments) -> emlt::Result<()> {

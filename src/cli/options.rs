@@ -8,6 +8,7 @@ use glam::Vec3;
 use crate::ensemble::groups::MOST_GROUPS;
 use crate::ensemble::guidance::{Guidance, MOST_GUIDES};
 use crate::ensemble::mix::Mix;
+use crate::ensemble::pool::MAX_EDGES;
 use crate::methods::{Budget, Direct, MAX_SIDE, Method, Settings, default_candidates, default_ensemble, default_size};
 use crate::scene::environment;
 use crate::scene::import::import;
@@ -37,7 +38,7 @@ pub struct Options {
     pub seed: u32,
 
     /// Longest path, in edges from camera to light
-    #[arg(long, value_name = "K", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=31))]
+    #[arg(long, value_name = "K", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_EDGES)))]
     pub max_depth: u32,
 
     /// Camera by name [default: the scene's first]
@@ -169,7 +170,7 @@ impl Options {
         self.lens.lens(self.look().map(|(eye, target)| eye.distance(target)))
     }
 
-    /// The camera that is asked for.
+    /// The camera that is asked for. Its lens is in the settings: here it is only refused where none can be.
     pub fn view(&self, scene: &Scene) -> Result<Camera> {
         let camera = scene.camera(self.camera.as_deref())?;
         let camera = match self.look() {
@@ -180,7 +181,8 @@ impl Options {
                 )
             })?,
         };
-        camera.through(self.through()?)
+        camera.through(self.through()?)?;
+        Ok(camera)
     }
 
     /// The settings for a film that fits `camera`, on a software device or a GPU.
@@ -305,13 +307,14 @@ mod tests {
         let flat = Camera { name: "flat".into(), orthographic_height: Some(1.0), ..camera(None) };
         let scene = Scene { cameras: vec![camera(None), flat], ..Scene::default() };
         let view = |words: &str| options(words).view(&scene);
+        let asked = |words: &str| options(words).settings(&camera(None), Budget::ENDLESS, true).unwrap().lens;
         let lens = |aperture, focus| Some(Lens { aperture, focus });
-        assert_eq!(view("a.glb").unwrap().lens, None);
-        assert_eq!(view("a.glb --aperture 0.02 --focus 3").unwrap().lens, lens(0.02, 3.0));
+        assert_eq!(asked("a.glb"), None);
+        assert_eq!(asked("a.glb --aperture 0.02 --focus 3"), lens(0.02, 3.0));
         let placed = "a.glb --aperture 0.02 --look-from 0,3,4 --look-at 0,0,0";
-        assert_eq!(view(placed).unwrap().lens, lens(0.02, 5.0));
-        assert_eq!(view(&format!("{placed} --focus 2")).unwrap().lens, lens(0.02, 2.0));
-        assert_eq!(options(placed).settings(&camera(None), Budget::ENDLESS, true).unwrap().lens, lens(0.02, 5.0));
+        assert_eq!(asked(placed), lens(0.02, 5.0));
+        assert_eq!(asked(&format!("{placed} --focus 2")), lens(0.02, 2.0));
+        assert_eq!(view(placed).unwrap().lens, None);
         assert_eq!(view("a.glb --aperture 0.02").unwrap_err().exit_status(), 2);
         assert_eq!(view("a.glb --aperture 0.02 --focus 3 --camera flat").unwrap_err().exit_status(), 2);
         assert!(Wrapper::try_parse_from(["render", "a.glb", "--focus", "3"]).is_err());

@@ -69,8 +69,7 @@ pub struct Candidate {
     pub pixel: [f32; 2],
     rays: f32,
     /// Of a candidate that carries light.
-    key: [u32; 2],
-    padding: [u32; 2],
+    key: [u32; 4],
 }
 
 /// From the log of a weight to the weight; what is not finite counts as black.

@@ -40,7 +40,7 @@ fn joined(light: TypeKey, light_count: u32, camera: TypeKey, camera_first: u32) 
     let tag = |i: u32| {
         if i < light_count { light.tag_bits(i) } else { camera.tag_bits(i - light_count + camera_first) }
     };
-    TypeKey::new(edges, (1..edges).map(|i| u64::from(tag(i)) << (2 * (i - 1))).sum())
+    TypeKey::new(edges, (1..edges).map(|i| u128::from(tag(i)) << (2 * (i - 1))).sum())
 }
 
 /// Numbers of vertices that can be taken from the light's side of a path: both ends of the edge that this opens are

@@ -26,7 +26,7 @@ pub struct Cut {
 impl Cut {
     /// As `unpack_cut` in shaders/kernels/bidirectional.wesl reads it.
     pub fn packed(self) -> u32 {
-        self.first | self.deleted << 5 | self.added << 10 | self.light_new << 15
+        self.first | self.deleted << 8 | self.added << 16 | self.light_new << 24
     }
 
     /// Cuts in the order of this number trace alike with their neighbours.
@@ -212,7 +212,7 @@ mod tests {
             let edges = key.edges() + cut.added - cut.deleted;
             assert!((1..=8).contains(&edges));
             let is_new = |i: u32| (cut.first..cut.first + cut.added).contains(&i);
-            let tags = (1..edges).map(|i| if is_new(i) { 0 } else { u64::from(key.tag_bits(kept(i))) });
+            let tags = (1..edges).map(|i| if is_new(i) { 0 } else { u128::from(key.tag_bits(kept(i))) });
             let y = TypeKey::new(edges, tags.enumerate().map(|(i, tag)| tag << (2 * i)).sum());
             assert!(places(y, cut.added).any(|first| first == cut.first), "{cut:?} of {y:?}");
             assert_eq!(cut.reversed().reversed(), cut);

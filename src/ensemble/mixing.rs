@@ -5,7 +5,7 @@ use super::agreement::Agreement;
 use super::autocorrelation::Autocorrelation;
 use super::groups::Groups;
 use super::mix::HALF_SWEEP;
-use super::pool::TypeKey;
+use super::pool::{TypeKey, abbreviated};
 
 /// Paths of a half whose log I is followed: their autocovariances scatter by little where there are so many.
 const FOLLOWED: u32 = 512;
@@ -135,7 +135,7 @@ impl Mixing {
         MixingStatistics {
             mutations,
             longest_wait,
-            waiting_type: self.waiting.map_or(String::new(), |(_, key)| key.string()),
+            waiting_type: self.waiting.map_or(String::new(), |(_, key)| abbreviated(&key.string())),
             memory: memory.and_then(|memory| memory.time).map(|time| time * f64::from(HALF_SWEEP)),
             effective: memory.map(|memory| memory.effective * f64::from(self.groups.paths())),
             groups: self.groups.count(),

@@ -4,7 +4,7 @@
 //! type string. Here every node of that tree is a range of one sorted array, [`Pool::order`]. The same order
 //! serves as guide pool when the other half moves and as dispatch list when this half moves.
 
-pub use super::type_key::{MAX_EDGES, Tag, TypeKey};
+pub use super::type_key::{MAX_EDGES, Tag, TypeKey, abbreviated};
 
 /// A range of [`Pool::order`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -78,7 +78,8 @@ impl Numbers {
     fn place(&self, key: TypeKey) -> usize {
         let mask = self.table.len() - 1;
         // Multiplied by 2^64 over the golden ratio, whose upper bits depend on all of the key.
-        let mut place = (key.bits().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as usize & mask;
+        let folded = (key.bits() >> 64) as u64 ^ key.bits() as u64;
+        let mut place = (folded.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as usize & mask;
         while self.table[place] != 0 && self.counts[self.table[place] as usize - 1].0 != key {
             place = (place + 1) & mask;
         }
@@ -225,7 +226,7 @@ mod tests {
         (0..count)
             .map(|_| {
                 let edges = 1 + draw(u64::from(longest_edges)) as u32;
-                TypeKey::new(edges, (1..edges).fold(0, |tags, _| tags << 2 | draw(3)))
+                TypeKey::new(edges, (1..edges).fold(0, |tags, _| tags << 2 | u128::from(draw(3))))
             })
             .collect()
     }

@@ -14,7 +14,7 @@ pub(super) struct Lit {
     pub(super) log_weight: f32,
     pub(super) pixel: [f32; 2],
     /// Its type.
-    pub(super) key: [u32; 2],
+    pub(super) key: [u32; 4],
 }
 
 impl Start {

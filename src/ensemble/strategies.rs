@@ -7,7 +7,7 @@
 
 use std::ops::RangeInclusive;
 
-use crate::gpu::layout::{STRATEGY_COLUMNS, STRATEGY_ENTRIES};
+use crate::gpu::layout::{strategy_columns, strategy_words};
 
 /// Share of probability that stays spread evenly, so that no strategy's paths can be missed.
 const DEFENSIVE_SHARE: f64 = 0.1;
@@ -28,6 +28,8 @@ const WALK_SHARE: f64 = 0.25;
 /// P(edges k, light-side vertices s) for the walks, k in a run's range of edges and s = 0 .. k, fixed before the run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Strategies {
+    /// The most edges.
+    longest: u32,
     /// Pairs (k, s) that can make a path, with their probabilities.
     entries: Vec<([u32; 2], f64)>,
     /// Running sums of the probabilities.
@@ -38,11 +40,11 @@ impl Strategies {
     /// A quarter for walks, which find any length; then every length of `edges` alike, and every split of it. Under a
     /// sky, light subpaths are not traced: s is 0 or 1.
     pub fn uniform(edges: RangeInclusive<u32>, sky: bool) -> Self {
-        let limits: Vec<u32> =
-            (1..*edges.end()).filter(|n| n.is_multiple_of(WALK_STEP)).chain([*edges.end()]).collect();
+        let longest = *edges.end();
+        let limits: Vec<u32> = (1..longest).filter(|n| n.is_multiple_of(WALK_STEP)).chain([longest]).collect();
         let share = WALK_SHARE / limits.len() as f64;
         let mut entries: Vec<_> = limits.into_iter().map(|n| (walk(n), share)).collect();
-        let lengths = f64::from(edges.end() - edges.start() + 1);
+        let lengths = f64::from(longest - edges.start() + 1);
         for k in edges {
             // A sky does not connect to the pinhole (s = k = 1): its directions would all be delta events there.
             let last = if sky { (k - 1).min(1) } else { k };
@@ -50,10 +52,10 @@ impl Strategies {
                 entries.push(([k, s], (1.0 - WALK_SHARE) / (lengths * f64::from(last + 1))));
             }
         }
-        Self::from_entries(entries)
+        Self::from_entries(longest, entries)
     }
 
-    fn from_entries(entries: Vec<([u32; 2], f64)>) -> Self {
+    fn from_entries(longest: u32, entries: Vec<([u32; 2], f64)>) -> Self {
         let mut sum = 0.0;
         let cumulative = entries
             .iter()
@@ -62,7 +64,7 @@ impl Strategies {
                 sum
             })
             .collect();
-        Self { entries, cumulative }
+        Self { longest, entries, cumulative }
     }
 
     /// Probabilities proportional to p sqrt(E[W^2] / rays) as pilot samples (strategy, weight, rays waited for) show it: the
@@ -97,7 +99,7 @@ impl Strategies {
             .zip(&even.entries)
             .map(|(((s, _), w), (_, even))| (*s, (1.0 - DEFENSIVE_SHARE) * w / total + DEFENSIVE_SHARE * even))
             .collect();
-        Self::from_entries(entries)
+        Self::from_entries(self.longest, entries)
     }
 
     fn position(&self, strategy: [u32; 2]) -> usize {
@@ -122,16 +124,17 @@ impl Strategies {
     }
 
     /// log P as the shaders read it; what cannot be drawn is -1e30. Row 0, column k is for walks that may take k edges.
-    pub fn log_table(&self) -> [f32; STRATEGY_ENTRIES] {
-        let mut table = [-1e30f32; STRATEGY_ENTRIES];
+    pub fn log_table(&self) -> Vec<f32> {
+        let columns = strategy_columns(self.longest);
+        let mut table = vec![-1e30f32; strategy_words(self.longest)];
         let total = self.cumulative[self.cumulative.len() - 1];
         let walks = self.entries.iter().filter(|([k, _], _)| *k == 0);
-        for edges in 1..STRATEGY_COLUMNS {
+        for (edges, entry) in table.iter_mut().enumerate().take(columns).skip(1) {
             let far_enough = walks.clone().filter(|([_, limit], _)| *limit as usize >= edges);
-            table[edges] = (far_enough.map(|(_, p)| p).sum::<f64>() / total).ln().max(-1e30) as f32;
+            *entry = (far_enough.map(|(_, p)| p).sum::<f64>() / total).ln().max(-1e30) as f32;
         }
         for ([k, s], p) in self.entries.iter().filter(|([k, _], _)| *k > 0) {
-            table[*k as usize * STRATEGY_COLUMNS + *s as usize] = (p / total).ln() as f32;
+            table[*k as usize * columns + *s as usize] = (p / total).ln() as f32;
         }
         table
     }
@@ -161,13 +164,13 @@ mod tests {
             let list = strategies.systematic(4096, 0.5);
             assert!(list.iter().all(|s| s[0] == 0 || (3..=5).contains(&s[0])), "{list:?}");
             let table = strategies.log_table();
-            assert!(table[STRATEGY_COLUMNS..3 * STRATEGY_COLUMNS].iter().all(|p| *p == -1e30));
-            assert!(table[3 * STRATEGY_COLUMNS] > -1e29);
+            let columns = strategy_columns(5);
+            assert!(table[columns..3 * columns].iter().all(|p| *p == -1e30));
+            assert!(table[3 * columns] > -1e29);
             // Two limits of walks, 4 and 5, share the quarter.
             for (edges, share) in [(1, 0.25f32), (4, 0.25), (5, 0.125)] {
                 assert!((table[edges].exp() - share).abs() < 1e-6, "{edges}: {}", table[edges]);
             }
-            assert_eq!(table[6], -1e30);
         }
     }
 

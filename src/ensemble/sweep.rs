@@ -73,7 +73,7 @@ impl Ensemble {
     pub fn new(run: &mut Run, build: Build, mix: Mix, bootstrap: Bootstrap) -> Result<Self> {
         run.set_strategies(&bootstrap.strategies.log_table());
         if let Some(weights) = &bootstrap.pixel_weights {
-            run.set_pixel_weights(weights.table());
+            run.set_pixel_weights(build.max_edges, weights.table());
         }
         let Bootstrap { b, target, .. } = bootstrap;
         let types = bootstrap.types.clone();

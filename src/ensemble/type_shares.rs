@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::pool::TypeKey;
+use super::pool::{TypeKey, abbreviated};
 
 /// Batches of half-sweeps whose scatter gives the chains' error.
 const BATCHES: usize = 16;
@@ -42,7 +42,7 @@ impl TypeStatistics {
         if self.start.max(self.chains) < LEAST_SHARE {
             return None;
         }
-        let Self { name, candidates, .. } = self;
+        let (name, candidates) = (abbreviated(&self.name), self.candidates);
         let [start, error, chains] = [self.start, self.start_error, self.chains].map(|share| 100.0 * share);
         if self.z().abs() > WORST_Z {
             return Some(format!(
@@ -68,12 +68,12 @@ pub fn warnings(types: &[TypeStatistics]) -> Vec<String> {
     for kin in types.iter().filter(|t| t.start.max(t.chains) > LEAST_SHARE) {
         let name = kin.name.replacen("D D", "D", 1);
         let found = candidates(&name);
-        if name != kin.name && !connects(&name) && found < FEWEST_CANDIDATES && !list.iter().any(|w| w.contains(&name))
+        let [short, kin_short] = [&name, &kin.name].map(|name| abbreviated(name));
+        if name != kin.name && !connects(&name) && found < FEWEST_CANDIDATES && !list.iter().any(|w| w.contains(&short))
         {
             let share = 100.0 * kin.start.max(kin.chains);
             list.push(format!(
-                "paths {name} have not converged: only hitting a light by chance finds them, which {found} of the start's candidates did, while paths {} hold {share:.1} % of the light; expect their light to be missing, or enlarge the light",
-                kin.name
+                "paths {short} have not converged: only hitting a light by chance finds them, which {found} of the start's candidates did, while paths {kin_short} hold {share:.1} % of the light; expect their light to be missing, or enlarge the light"
             ));
         }
     }
@@ -111,8 +111,8 @@ pub struct TypeShares {
 
 impl TypeShares {
     /// From the candidates' type keys (as words) and weights in the target; those of weight 0 count for nothing.
-    pub fn of_start(candidates: impl Iterator<Item = ([u32; 2], f64)>) -> Self {
-        let mut keys: HashMap<[u32; 2], Sums> = HashMap::new();
+    pub fn of_start(candidates: impl Iterator<Item = ([u32; 4], f64)>) -> Self {
+        let mut keys: HashMap<[u32; 4], Sums> = HashMap::new();
         for (key, weight) in candidates.filter(|(_, weight)| *weight > 0.0) {
             let sums = keys.entry(key).or_default();
             sums.weight += weight;

@@ -45,26 +45,36 @@ pub struct PassUniform {
     pub group_stride: u32,
 }
 
-/// Columns of the strategy table: light-side vertices 0 .. 31.
-pub const STRATEGY_COLUMNS: usize = 32;
-/// Entries of the strategy table: edges 0 .. 31 times columns.
-pub const STRATEGY_ENTRIES: usize = 1024;
+/// Whether type keys of paths with up to `max_edges` edges take four words in place of two (the flag `long`).
+pub fn is_long(max_edges: u32) -> bool {
+    max_edges > 32
+}
+
+/// Rows and columns of the strategy table: edges and light-side vertices, from 0 to `max_edges` (`STRATEGY_COLUMNS`).
+pub const fn strategy_columns(max_edges: u32) -> usize {
+    max_edges as usize + 1
+}
+
+/// Words of the strategy table, whole vec4s.
+pub const fn strategy_words(max_edges: u32) -> usize {
+    strategy_columns(max_edges).pow(2).next_multiple_of(4)
+}
 
 /// Tiles of the film along its longer side, on which w of the two-stage target is constant, and words of their table,
 /// which lies behind the strategy table.
 pub const WEIGHT_TILES: u32 = 32;
 pub const WEIGHT_ENTRIES: usize = 1024;
 
-/// Rows of the chain state before the vertices (`ROW_VERTICES`), and the rows of the point on the lens (`ROW_LENS`), of the
-/// type key (`ROW_KEY`), of the pixel and of the colour.
+/// Rows of the chain state before the vertices (`ROW_VERTICES`), and the rows of the point on the lens (`ROW_LENS`, which
+/// also has the last two words of long type keys), of the type key (`ROW_KEY`), of the pixel and of the colour.
 pub const ROW_VERTICES: usize = 5;
 pub const ROW_LENS: usize = 4;
 pub const ROW_KEY: usize = 3;
 pub const ROW_PIXEL: usize = 0;
 pub const ROW_COLOUR: usize = 1;
 
-/// Rows of a crossover's record, which lies where guides do (`ROW_RECORD`).
-const RECORD_ROWS: usize = 4;
+/// Rows of a crossover's record, which lies where guides do (`ROW_RECORD`): those of the state before the vertices.
+const RECORD_ROWS: usize = ROW_VERTICES;
 
 /// First of the rows in the order of a pool (`ROW_GUIDE`): what guides tell, packed as in shaders/transport/guide.wesl.
 pub fn row_guide(max_edges: u32) -> usize {
@@ -197,13 +207,13 @@ mod tests {
             group_stride,
         );
         let (_, span) = struct_of(&module("weigh"), "StrategyUniform");
-        assert_eq!(span as usize, 4 * STRATEGY_ENTRIES);
+        assert_eq!(span as usize, 4 * strategy_words(12));
         let flags = vec!["two_stage"];
         let two_stage = Variant { pass: "independence", features: Features::default(), max_edges: 12, flags };
         let module = validate(&compose(&two_stage).unwrap()).unwrap();
         let (members, span) = struct_of(&module, "StrategyUniform");
-        assert_eq!(members[1].1 as usize, 4 * STRATEGY_ENTRIES);
-        assert_eq!(span as usize, 4 * (STRATEGY_ENTRIES + WEIGHT_ENTRIES));
+        assert_eq!(members[1].1 as usize, 4 * strategy_words(12));
+        assert_eq!(span as usize, 4 * (strategy_words(12) + WEIGHT_ENTRIES));
     }
 
     #[test]

@@ -6,12 +6,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::context::Context;
-use super::layout::{PassUniform, STRATEGY_ENTRIES, WEIGHT_ENTRIES};
+use super::layout::{PassUniform, WEIGHT_ENTRIES, strategy_words};
 use super::pipelines::{Builder, Built, Compilation};
 use super::scene::{GpuScene, SceneData};
 use super::shader::Variant;
 use super::timer::Timer;
 use super::workgroups::{group_stride, workgroups};
+use crate::ensemble::pool::MAX_EDGES;
 use crate::{Error, Result};
 
 /// Passes that one submission can hold.
@@ -100,7 +101,7 @@ impl<'a> Run<'a> {
         let output = storage("film", sizes.output, "a smaller --size")?;
         let counters = storage("counters", sizes.counters, "fewer kernels")?;
         let uniforms = uniform("passes", PASS_SLOTS * PASS_STRIDE);
-        let strategies = uniform("strategies", 4 * (STRATEGY_ENTRIES + WEIGHT_ENTRIES));
+        let strategies = uniform("strategies", 4 * (strategy_words(MAX_EDGES) + WEIGHT_ENTRIES));
         let read_write = wgpu::BufferBindingType::Storage { read_only: false };
         let layout = super::buffer_layout(
             device,
@@ -140,14 +141,14 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Sets log P(edges, light-side vertices), row-major.
-    pub fn set_strategies(&self, log_probability: &[f32; STRATEGY_ENTRIES]) {
+    /// Sets log P(edges, light-side vertices), row-major: [`strategy_words`].
+    pub fn set_strategies(&self, log_probability: &[f32]) {
         self.context.queue.write_buffer(&self.strategies, 0, bytemuck::cast_slice(log_probability));
     }
 
-    /// Sets w of the two-stage target, by tiles of the film.
-    pub fn set_pixel_weights(&self, weights: &[f32; WEIGHT_ENTRIES]) {
-        let offset = 4 * STRATEGY_ENTRIES as u64;
+    /// Sets w of the two-stage target, by tiles of the film; behind the strategies of paths of up to `max_edges` edges.
+    pub fn set_pixel_weights(&self, max_edges: u32, weights: &[f32; WEIGHT_ENTRIES]) {
+        let offset = 4 * strategy_words(max_edges) as u64;
         self.context.queue.write_buffer(&self.strategies, offset, bytemuck::cast_slice(weights));
     }
 

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use include_dir::{Dir, include_dir};
 use wesl::{CompileOptions, Feature, ModulePath, VirtualResolver, Wesl};
 
+use super::layout::is_long;
 use crate::Error;
 use crate::ensemble::guidance::MOST_GUIDES;
 use crate::scene::Features;
@@ -21,7 +22,7 @@ pub struct Variant {
     /// File stem under `shaders/passes`.
     pub pass: &'static str,
     pub features: Features,
-    /// Private arrays and loops are bounded by it.
+    /// Private arrays and loops are bounded by it; paths whose types do not fit two words set the flag `long`.
     pub max_edges: u32,
     /// Flags of the pass itself, out of [`PASS_FLAGS`].
     pub flags: Vec<&'static str>,
@@ -126,6 +127,7 @@ fn compose_with(mut resolver: VirtualResolver, variant: &Variant) -> Result<Stri
     for name in PASS_FLAGS {
         options.features.flags.insert(name.into(), variant.flags.contains(&name).into());
     }
+    options.features.flags.insert("long".into(), is_long(variant.max_edges).into());
     let mut compiler = Wesl::new_barebones().set_custom_resolver(resolver);
     compiler.set_options(options);
     compiler.set_mangler(wesl::ManglerKind::Escape);

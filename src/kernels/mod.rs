@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn lens_or_multi_chain_applies_to_every_type() {
         for edges in 1..=7 {
-            for tags in 0..1u64 << (2 * (edges - 1)) {
+            for tags in 0..1u128 << (2 * (edges - 1)) {
                 let key = TypeKey::new(edges, tags);
                 let features = Features { mirror: true, ..Default::default() };
                 let applies = [&lens::KERNEL, &multi_chain::KERNEL].map(|k| (k.applies)(key, features));

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use super::statistics::{ErrorStatistics, KernelStatistics, Statistics};
 use crate::ensemble::mixing::MixingStatistics;
+use crate::ensemble::pool::abbreviated;
 use crate::methods::Method;
 
 /// Everything the table shows; print it with `{}` (several lines, each ended by a line feed).
@@ -62,7 +63,7 @@ impl Display for Summary<'_> {
                 "types",
                 format!(
                     "{counted} hold 0.1 % of the light or more; chains and start differ by {z:.1} standard errors at most ({})",
-                    worst.name
+                    abbreviated(&worst.name)
                 ),
             )?;
         }

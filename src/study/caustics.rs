@@ -1,13 +1,11 @@
 //! The supplement's section 7: thin caustics after few mutations.
 
-use super::alpha::insets;
-use super::detail::{busiest, detail};
-use super::panels::Picture;
-use super::plan::{Asked, Defaults, Kind, Run};
+use super::detail::detail;
+use super::plan::{Asked, Defaults, Run};
 use super::references::Reference;
 use super::report::{Report, Verdict, short};
 use super::statistics::{Interval, mean};
-use super::{Findings, Study, work};
+use super::{Findings, Study, insets, work};
 use crate::Result;
 use crate::film::{Image, flip};
 use crate::methods::{Budget, Method};
@@ -34,29 +32,21 @@ const METHODS: [Method; 3] = [Method::Mlt, Method::Emlt, Method::Pt];
 const THIN: f64 = 0.05;
 
 fn runs(asked: &Asked) -> Result<Vec<Run>> {
-    let scene = asked.only_scene(STUDY.name)?;
-    let run = |seed: u32, method: Method| Run {
-        kind: Kind::Image { kept: true },
-        ..asked.run(scene, method.name(), method, seed)
-    };
-    Ok(asked.seeds.iter().flat_map(|seed| METHODS.map(|method| run(*seed, method))).collect())
+    asked.only_scene(STUDY.name)?;
+    Ok(asked.runs(METHODS, |scene, method, seed| asked.kept(scene, method.name(), method, seed)))
 }
 
 fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
     let scene = findings.asked.only_scene(STUDY.name)?;
     let Some(reference) = findings.reference(scene) else { return Ok(()) };
     let thin = thin(reference);
-    let mut pictures = Vec::new();
     let mut table = Vec::new();
     // Of thin features, by method and seed.
     let (mut squares, mut seen) = (Vec::new(), Vec::new());
     for method in METHODS {
         let (mut of_method, mut seen_of_method) = (Vec::new(), Vec::new());
-        for (number, finished) in findings.of(Some(scene), method.name()).enumerate() {
+        for finished in findings.of(Some(scene), method.name()) {
             let Some(image) = work::image(finished)?.image("") else { continue };
-            if number == 0 {
-                pictures.push((method.name().to_string(), Picture::of(&image)));
-            }
             of_method.push(squared_error(&image, reference, &thin));
             seen_of_method.push(mean(&chosen(&flip::flip(&image, &reference.image)?, &thin)));
         }
@@ -76,19 +66,14 @@ fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
     report.heading(&format!("Error of {scene} (means over the seeds)"));
     let header =
         ["method", "made per pixel", "MSE", "relMSE of 4x4", "FLIP", "MSE of thin features", "FLIP of thin features"];
-    report.table(&header, table.clone());
-    report.csv("caustics", &header, &table)?;
+    report.table("caustics", &header, &table)?;
     report.paragraph(&format!(
         "Thin features: the {:.0} % of pixels that stand out most, in the reference, from the mean of the 5x5 pixels around, \
          twice its noise taken off.",
         100.0 * THIN
     ));
-    pictures.push(("reference".into(), Picture::of(&reference.image)));
-    let rows = insets(pictures, busiest(&reference.image));
-    report.pictures("caustics", &rows, "First seed; below, the part with the most detail in the reference.")?;
-    let of_film = |figure| {
-        Interval::of_ratio(&findings.values(Some(scene), "mlt", figure), &findings.values(Some(scene), "emlt", figure))
-    };
+    insets::write(report, "caustics", findings, scene, &METHODS.map(Method::name))?;
+    let of_film = |figure| findings.ratio(scene, ["mlt", "emlt"], figure);
     let flip = Interval::of_ratio(&seen[0], &seen[1]);
     let mse = Interval::of_ratio(&squares[0], &squares[1]);
     report.claim(

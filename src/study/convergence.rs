@@ -24,11 +24,10 @@ const METHODS: [Method; 3] = [Method::Emlt, Method::Mlt, Method::Pt];
 const FITTED: f64 = 1.0 / 32.0;
 
 fn runs(asked: &Asked) -> Result<Vec<Run>> {
-    let seeds = &asked.seeds;
-    let run =
-        |scene: &str, seed, method: Method| Run { kind: Kind::Curve, ..asked.run(scene, method.name(), method, seed) };
-    let of_scene = |scene| seeds.iter().flat_map(move |seed| METHODS.map(|method| run(scene, *seed, method)));
-    Ok(asked.scenes.iter().flat_map(|scene| of_scene(scene)).collect())
+    Ok(asked.runs(METHODS, |scene, method, seed| Run {
+        kind: Kind::Curve,
+        ..asked.run(scene, method.name(), method, seed)
+    }))
 }
 
 type X = fn(&Figures) -> Option<f64>;
@@ -103,8 +102,7 @@ fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
         "time over emlt's at equal error",
         "relMSE at the end",
     ];
-    report.table(&header, table.clone());
-    report.csv("convergence", &header, &table)?;
+    report.table("convergence", &header, &table)?;
     report.paragraph(&format!(
         "Slope: of log relMSE over log mutations, by least squares from 1/{:.0} of each run on; independent samples have -1. \
          Equal time: the end of the run that ended first. Equal error: the higher of the errors that both came down to. Ratios \

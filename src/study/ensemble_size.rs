@@ -31,16 +31,13 @@ const BEST: u32 = 16384;
 const NEAR: std::ops::RangeInclusive<u32> = 8192..=32768;
 
 fn runs(asked: &Asked) -> Result<Vec<Run>> {
-    let run = |scene: &str, paths: u32, seed: u32| {
+    Ok(asked.runs(SIZES, |scene, paths, seed| {
         let mut run = asked.run(scene, paths.to_string(), Method::Emlt, seed);
         run.settings.ensemble = paths;
         // One complementary ensemble, as in the supplement: groups would divide it.
         run.settings.groups = 1;
         run
-    };
-    let seeds = &asked.seeds;
-    let of_scene = |scene| seeds.iter().flat_map(move |seed| SIZES.map(|paths| run(scene, paths, *seed)));
-    Ok(asked.scenes.iter().flat_map(|scene| of_scene(scene)).collect())
+    }))
 }
 
 fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
@@ -95,8 +92,7 @@ fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
     let mut header = vec!["paths", "mutations per path"];
     header.extend(scenes.iter().map(String::as_str));
     header.extend(["average", &against]);
-    report.table(&header, table.clone());
-    report.csv("ensemble-size", &header, &table)?;
+    report.table("ensemble-size", &header, &table)?;
     let far: Vec<Interval> = SIZES.iter().zip(&ratios).filter(|(n, _)| !NEAR.contains(*n)).map(|(_, r)| *r).collect();
     let lowest = |values: &[f64]| {
         let best = values.iter().enumerate().filter(|(_, v)| v.is_finite()).min_by(|a, b| a.1.total_cmp(b.1));

@@ -2,7 +2,7 @@
 
 use super::detail::luminance;
 use super::panels::{Panel, Picture, zoom};
-use super::plan::{Asked, Defaults, Kind, Run, SCENES};
+use super::plan::{Asked, Defaults, Run, SCENES};
 use super::report::{Report, Verdict};
 use super::statistics::{Interval, correlation, covariance};
 use super::{Findings, Study, work};
@@ -30,14 +30,11 @@ const METHODS: [Method; 2] = [Method::Mlt, Method::Emlt];
 const TILE: u32 = 8;
 
 fn runs(asked: &Asked) -> Result<Vec<Run>> {
-    let run = |scene: &str, seed: u32, method: Method| {
-        let mut run = Run { kind: Kind::Image { kept: true }, ..asked.run(scene, method.name(), method, seed) };
+    Ok(asked.runs(METHODS, |scene, method, seed| {
+        let mut run = asked.kept(scene, method.name(), method, seed);
         run.settings.maps = true;
         run
-    };
-    let seeds = &asked.seeds;
-    let of_scene = |scene| seeds.iter().flat_map(move |seed| METHODS.map(|method| run(scene, *seed, method)));
-    Ok(asked.scenes.iter().flat_map(|scene| of_scene(scene)).collect())
+    }))
 }
 
 /// What is told of one scene and method.
@@ -91,8 +88,7 @@ fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
          First seed; the image is the mean of all runs.",
     )?;
     let header = ["scene", "mlt along edges", "mlt spread", "emlt along edges", "emlt spread"];
-    report.table(&header, table.clone());
-    report.csv("maps", &header, &table)?;
+    report.table("maps", &header, &table)?;
     report.paragraph(&format!(
         "Along edges: correlation, over tiles of {TILE}x{TILE} pixels, between the share of horizontal over vertical moves and \
          that of horizontal over vertical edges of the image's log-luminance, which geometry and light make; 1 would be \

@@ -9,7 +9,7 @@
 //! - [`work`]: the runs themselves, with progress, until they are done or interrupted
 //! - [`progress`]: the bar, and Ctrl-C
 //! - [`statistics`]: scatter between seeds, ratios, slopes
-//! - [`axes`], [`plot`], [`panels`]: line plots (SVG and PNG) and pictures side by side (PNG)
+//! - [`axes`], [`plot`], [`panels`], [`insets`]: line plots (SVG and PNG) and pictures side by side (PNG)
 //! - [`report`]: the page
 //! - one file a study
 
@@ -20,6 +20,7 @@ mod convergence;
 mod detail;
 mod ensemble_size;
 mod folder;
+mod insets;
 mod maps;
 mod normals;
 mod panels;
@@ -38,7 +39,8 @@ use crate::Result;
 use folder::{Figures, Finished};
 use plan::{Plan, Run};
 use references::Reference;
-use report::Report;
+use report::{Report, short};
+use statistics::{Interval, mean};
 
 /// One of the supplement's experiments.
 pub struct Study {
@@ -75,6 +77,9 @@ struct Findings {
     load: Option<f64>,
 }
 
+/// The columns of [`Findings::errors`].
+const ERRORS: [&str; 5] = ["MSE", "relMSE", "relMSE of 4x4", "FLIP", "guided lens steps accepted"];
+
 /// A load average from which on other work is taken to slow the runs.
 const BUSY: f64 = 0.5;
 
@@ -87,6 +92,23 @@ impl Findings {
     /// A figure at the end of each of those runs; what is not known is NaN.
     fn values(&self, scene: Option<&str>, variant: &str, figure: fn(&Figures) -> Option<f64>) -> Vec<f64> {
         self.of(scene, variant).map(|f| figure(f.last()).unwrap_or(f64::NAN)).collect()
+    }
+
+    /// A figure of one variant over that of another, seed by seed.
+    fn ratio(&self, scene: &str, [a, b]: [&str; 2], figure: fn(&Figures) -> Option<f64>) -> Interval {
+        Interval::of_ratio(&self.values(Some(scene), a, figure), &self.values(Some(scene), b, figure))
+    }
+
+    /// Means over the seeds, as [`ERRORS`] names them.
+    fn errors(&self, scene: &str, variant: &str) -> [String; 5] {
+        let value = |figure| mean(&self.values(Some(scene), variant, figure));
+        [
+            short(value(|f| f.mse)),
+            short(value(|f| f.rel_mse)),
+            short(value(|f| f.rel_mse_4x4)),
+            short(value(|f| f.flip)),
+            format!("{:.1} %", 100.0 * value(|f| f.guided_acceptance)),
+        ]
     }
 
     /// A sentence for studies of time where the machine had other work when they began.

@@ -1,12 +1,8 @@
 //! The supplement's section 6: similarity with and without normals.
 
-use super::alpha::insets;
-use super::detail::busiest;
-use super::panels::Picture;
-use super::plan::{Asked, Defaults, Kind, Run};
-use super::report::{Report, Verdict, short};
-use super::statistics::{Interval, mean};
-use super::{Findings, Study, work};
+use super::plan::{Asked, Defaults, Run};
+use super::report::{Report, Verdict};
+use super::{ERRORS, Findings, Study, insets};
 use crate::Result;
 use crate::methods::{Budget, Method};
 
@@ -31,47 +27,21 @@ const WITHOUT: &str = "without normals";
 const ABOUT: [f64; 2] = [1.025, 1.10];
 
 fn runs(asked: &Asked) -> Result<Vec<Run>> {
-    let scene = asked.only_scene(STUDY.name)?;
-    let run = |seed: u32, variant: &str| {
-        let mut run = Run { kind: Kind::Image { kept: true }, ..asked.run(scene, variant, Method::Emlt, seed) };
+    asked.only_scene(STUDY.name)?;
+    Ok(asked.runs([WITH, WITHOUT], |scene, variant, seed| {
+        let mut run = asked.kept(scene, variant, Method::Emlt, seed);
         run.settings.guidance.normals = variant == WITH;
         run
-    };
-    Ok(asked.seeds.iter().flat_map(|seed| [WITH, WITHOUT].map(|variant| run(*seed, variant))).collect())
+    }))
 }
 
 fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
     let scene = findings.asked.only_scene(STUDY.name)?;
     report.heading(&format!("Error of {scene} (means over the seeds)"));
-    let mut table = Vec::new();
-    for variant in [WITH, WITHOUT] {
-        let value = |figure| mean(&findings.values(Some(scene), variant, figure));
-        table.push(vec![
-            variant.to_string(),
-            short(value(|f| f.mse)),
-            short(value(|f| f.rel_mse)),
-            short(value(|f| f.rel_mse_4x4)),
-            short(value(|f| f.flip)),
-            format!("{:.1} %", 100.0 * value(|f| f.guided_acceptance)),
-        ]);
-    }
-    let header = ["similarity", "MSE", "relMSE", "relMSE of 4x4", "FLIP", "guided lens steps accepted"];
-    report.table(&header, table.clone());
-    report.csv("normals", &header, &table)?;
-    if let Some(reference) = findings.reference(scene) {
-        let mut pictures = Vec::new();
-        for variant in [WITH, WITHOUT] {
-            if let Some(first) = findings.of(Some(scene), variant).next() {
-                pictures.extend(work::image(first)?.image("").map(|image| (variant.to_string(), Picture::of(&image))));
-            }
-        }
-        pictures.push(("reference".into(), Picture::of(&reference.image)));
-        let rows = insets(pictures, busiest(&reference.image));
-        report.pictures("normals", &rows, "First seed; below, the part with the most detail in the reference.")?;
-    }
-    let ratio = |figure| {
-        Interval::of_ratio(&findings.values(Some(scene), WITH, figure), &findings.values(Some(scene), WITHOUT, figure))
-    };
+    let row = |variant: &str| [&[variant.to_string()][..], &findings.errors(scene, variant)].concat();
+    report.table("normals", &[&["similarity"][..], &ERRORS].concat(), &[WITH, WITHOUT].map(row))?;
+    insets::write(report, "normals", findings, scene, &[WITH, WITHOUT])?;
+    let ratio = |figure| findings.ratio(scene, [WITH, WITHOUT], figure);
     let [mse, rel_mse] = [ratio(|f| f.mse), ratio(|f| f.rel_mse)];
     let verdict = if mse.below(ABOUT[0]) || mse.above(ABOUT[1]) {
         Verdict::Disagrees

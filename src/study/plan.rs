@@ -49,6 +49,19 @@ impl Asked {
         Run { scene: scene.into(), variant: variant.into(), settings, kind: Kind::Image { kept: false } }
     }
 
+    /// The same, with its image kept.
+    pub fn kept(&self, scene: &str, variant: impl Into<String>, method: Method, seed: u32) -> Run {
+        Run { kind: Kind::Image { kept: true }, ..self.run(scene, variant, method, seed) }
+    }
+
+    /// A run of every scene, seed and variant.
+    pub fn runs<V: Copy, const N: usize>(&self, variants: [V; N], run: impl Fn(&str, V, u32) -> Run) -> Vec<Run> {
+        let run = &run;
+        let of_scene =
+            |scene| self.seeds.iter().flat_map(move |seed| variants.map(|variant| run(scene, variant, *seed)));
+        self.scenes.iter().flat_map(|scene| of_scene(scene.as_str())).collect()
+    }
+
     /// The scene of a study of one scene.
     pub fn only_scene(&self, study: &str) -> Result<&str> {
         match self.scenes.as_slice() {

@@ -112,14 +112,14 @@ impl Report {
             ("runs", format!("{of}, of which {made} were made now and the others kept from before")),
         ];
         let _ = writeln!(report.text, "# {}: {}\n", study.name, study.about);
-        report.table(&["", ""], rows.map(|(name, value)| vec![name.into(), value]).to_vec());
+        report.page_table(&["", ""], &rows.map(|(name, value)| vec![name.into(), value]));
         if !findings.references.is_empty() {
             report.heading("What images are compared with");
             let row = |r: &super::Reference| {
                 vec![r.scene.clone(), r.source.clone(), format!("{:.2} %", 100.0 * r.own_error())]
             };
-            let rows = findings.references.iter().map(row).collect();
-            report.table(&["scene", "reference", "its own noise (root of relMSE)"], rows);
+            let rows: Vec<_> = findings.references.iter().map(row).collect();
+            report.page_table(&["scene", "reference", "its own noise (root of relMSE)"], &rows);
             report.paragraph(
                 "That noise is subtracted from every MSE and relMSE, but not from FLIP. What a reference by this \
                  program has missed, the images compared with it may miss too.",
@@ -136,18 +136,19 @@ impl Report {
         let _ = writeln!(self.text, "{text}\n");
     }
 
-    pub fn table(&mut self, header: &[&str], rows: Vec<Vec<String>>) {
-        let line = |cells: Vec<String>| {
+    fn page_table(&mut self, header: &[&str], rows: &[Vec<String>]) {
+        let line = |cells: &[String]| {
             format!("| {} |\n", cells.iter().map(|c| c.replace('|', "/")).collect::<Vec<_>>().join(" | "))
         };
-        self.text.push_str(&line(header.iter().map(|h| (*h).to_string()).collect()));
-        self.text.push_str(&line(vec!["---".into(); header.len()]));
-        rows.into_iter().for_each(|row| self.text.push_str(&line(row)));
+        self.text.push_str(&line(&header.iter().map(|h| (*h).to_string()).collect::<Vec<_>>()));
+        self.text.push_str(&line(&vec!["---".into(); header.len()]));
+        rows.iter().for_each(|row| self.text.push_str(&line(row)));
         self.text.push('\n');
     }
 
-    /// The same table as a file and, with its name, on the page.
-    pub fn csv(&mut self, name: &str, header: &[&str], rows: &[Vec<String>]) -> Result<()> {
+    /// A table on the page, and with its name as a file.
+    pub fn table(&mut self, name: &str, header: &[&str], rows: &[Vec<String>]) -> Result<()> {
+        self.page_table(header, rows);
         let line = |cells: &[String]| cells.iter().map(|c| quoted(c)).collect::<Vec<_>>().join(",") + "\n";
         let mut text = header.join(",") + "\n";
         rows.iter().for_each(|row| text.push_str(&line(row)));

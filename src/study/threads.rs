@@ -156,8 +156,7 @@ fn conclude(findings: &Findings, report: &mut Report) -> Result<()> {
         "Means over the seeds with 95 % intervals; grey, one thread's speed multiplied.",
     )?;
     let header = ["method", "threads", "million a second", "speed-up", "of perfect scaling"];
-    report.table(&header, table.clone());
-    report.csv("threads", &header, &table)?;
+    report.table("threads", &header, &table)?;
     let share = |method| {
         let perfect: Vec<f64> = rates(method, 1).iter().map(|rate| rate * f64::from(most)).collect();
         Interval::of_ratio(&rates(method, most), &perfect)

@@ -132,7 +132,10 @@ mod tests {
         let orbit = Orbit::new(scene.cameras[0].clone(), scene.sphere);
         let settings = Settings { width: 100, height: 10, ..Settings::default() };
         let text = command_line(&scene, &settings, &orbit, 1999, false);
-        assert_eq!(text, "emlt render 'scenes/my box.glb' --method emlt --size 100x10 --spp 2 --ensemble 16384 --candidates 1048576");
+        assert_eq!(
+            text,
+            "emlt render 'scenes/my box.glb' --method emlt --size 100x10 --spp 2 --ensemble 16384 --candidates 1048576"
+        );
     }
 
     #[test]

@@ -7,6 +7,7 @@ use super::command_line::mix_words;
 use super::display::grid;
 use crate::ensemble::guidance::{Guidance, MOST_GUIDES};
 use crate::ensemble::mix::Mix;
+use crate::ensemble::pool::MAX_EDGES;
 use crate::kernels::{self, Kernel};
 use crate::methods::{Direct, MAX_SIDE, Method, default_mix};
 use crate::scene::Features;
@@ -30,7 +31,7 @@ impl Viewer {
             changed |= setting(ui, "size", "pixels (--size)", |ui, name| self.size(ui, name));
             let settings = &mut self.settings;
             changed |= setting(ui, "longest path", "edges from camera to light (--max-depth)", |ui, name| {
-                ui.add(Slider::new(&mut settings.max_depth, 1..=31)).labelled_by(name).changed()
+                ui.add(Slider::new(&mut settings.max_depth, 1..=MAX_EDGES)).labelled_by(name).changed()
             });
             changed |= setting(ui, "seed", "another one is an independent image (--seed)", |ui, name| {
                 ui.add(DragValue::new(&mut settings.seed).speed(0.1)).labelled_by(name).changed()

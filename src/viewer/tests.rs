@@ -156,7 +156,10 @@ fn files_are_taken_by_their_kind() {
 fn the_command_line_is_copied_and_a_failure_is_shown() {
     let mut window = Window::new();
     window.press(Modifiers::COMMAND | Modifiers::SHIFT, Key::C);
-    assert_eq!(window.copied.as_deref(), Some("emlt render box.glb --method emlt --size 64x48 --spp 1 --ensemble 16384 --candidates 1048576"));
+    assert_eq!(
+        window.copied.as_deref(),
+        Some("emlt render box.glb --method emlt --size 64x48 --spp 1 --ensemble 16384 --candidates 1048576")
+    );
     window.hear(Event::Failed("no light reaches the camera".into()));
     window.frame();
     assert!(window.viewer().note.as_ref().is_some_and(|note| note.error));

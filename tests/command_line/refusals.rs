@@ -34,7 +34,7 @@ fn bad_usage() {
         (&["--time", "nan"], "seconds"),
         (&["--seed", "-1"], "-1"),
         (&["--max-depth", "0"], "--max-depth"),
-        (&["--max-depth", "32"], "--max-depth"),
+        (&["--max-depth", "65"], "1..=64"),
         (&["--ensemble", "17"], "even"),
         (&["--ensemble", "8"], "even"),
         (&["--method", "best"], "pt"),

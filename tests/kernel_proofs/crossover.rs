@@ -195,7 +195,7 @@ fn bins_of(bench: &mut Bench, count: u32) -> Vec<[u64; 4]> {
         let [x, y] = [0, 1].map(|i| (f32::from_bits(row[i]) as u64).min(u64::from(FILM[i]) - 1));
         let length = u64::from(key.edges());
         let tile = (y / 16) << 16 | (x / 16) << 8;
-        bins.push([key.bits(), 1 << 60 | tile | length, 2 << 60 | length, 3 << 60 | length]);
+        bins.push([key.bits() as u64, 1 << 60 | tile | length, 2 << 60 | length, 3 << 60 | length]);
     }
     for vertex in 0..MAX_EDGES {
         for (path, row) in bench.rows(ROW_VERTICES + 2 * vertex as usize + 1, 0, count).iter().enumerate() {

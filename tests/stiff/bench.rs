@@ -5,7 +5,7 @@ use emlt::ensemble::groups::Groups;
 use emlt::ensemble::pool::TypeKey;
 use emlt::ensemble::sweep::list_words;
 use emlt::gpu::context::Context;
-use emlt::gpu::layout::{COUNTER_WORDS, PassUniform, ROW_KEY, chain_rows};
+use emlt::gpu::layout::{COUNTER_WORDS, PassUniform, ROW_KEY, ROW_LENS, chain_rows};
 use emlt::gpu::run::{Buffer, Dispatch, Run, Sizes};
 use emlt::gpu::scene::SceneData;
 use emlt::gpu::shader::Variant;
@@ -75,7 +75,9 @@ impl<'a> Bench<'a> {
     }
 
     pub fn keys(&mut self) -> Vec<TypeKey> {
-        self.row(ROW_KEY).iter().map(|row| TypeKey::from_words([row[0], row[1]]).unwrap()).collect()
+        let (rows, lens) = (self.row(ROW_KEY), self.row(ROW_LENS));
+        let key = |(row, lens): (&[u32; 4], &[u32; 4])| TypeKey::from_words([row[0], row[1], lens[2], lens[3]]);
+        rows.iter().zip(&lens).map(|rows| key(rows).unwrap()).collect()
     }
 
     /// Candidates with their strategies, which [`Start::fill`] takes.

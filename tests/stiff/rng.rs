@@ -9,9 +9,9 @@ use super::furnaces::{EDGES, box_furnace};
 
 /// Which of a key's words is counted up: path, pass, dimension, seed.
 const DIRECTIONS: usize = 4;
-/// Dimensions of a mutation: fewer than 128. Over a million of them, one after another, the first word of the generator
-/// collides 40 % more often than chance has it, so they are counted as they are used: 128, then the next path's.
-const DIMENSIONS: u32 = 128;
+/// Dimensions of a mutation: fewer than 256. Over a million of them, one after another, the first word of the generator
+/// collides 40 % more often than chance has it, so they are counted as they are used: 256, then the next path's.
+const DIMENSIONS: u32 = 256;
 
 fn words(direction: usize, n: u32) -> [u32; 4] {
     let mut key = [5, 1000, 3, 1];

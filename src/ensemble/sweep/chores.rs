@@ -8,10 +8,9 @@ use rayon::prelude::*;
 use super::Ensemble;
 use crate::Result;
 use crate::ensemble::mixing::{MixingStatistics, Seen};
-use crate::ensemble::pool::TypeKey;
 use crate::ensemble::runs::merged;
-use crate::gpu::layout::{ROW_KEY, ROW_PIXEL, ROW_VERTICES};
-use crate::gpu::run::{Buffer, Run};
+use crate::gpu::layout::{ROW_PIXEL, ROW_VERTICES};
+use crate::gpu::run::Run;
 use crate::reference::rng;
 
 /// Dimension block from which the host draws the independence kernel's strategy.
@@ -31,18 +30,12 @@ impl Ensemble {
     /// Looks at a half. Log I is that of the states as they are: the pass `weigh` has just made it, or the independence
     /// kernel with the state.
     pub(super) fn look(&self, run: &mut Run, half: usize) -> Result<Vec<Seen>> {
-        let ranges = self.ranges_of(half, &[ROW_KEY, ROW_PIXEL, ROW_VERTICES]);
-        run.look_at(Buffer::Chains, &ranges, |bytes| {
-            let rows: &[[u32; 4]] = bytemuck::cast_slice(bytes);
-            let (keys, rows) = rows.split_at(rows.len() / 3);
-            let (pixels, vertices) = rows.split_at(rows.len() / 2);
-            let seen = |i: usize| {
-                let key = TypeKey::from_words([keys[i][0], keys[i][1]]);
-                Seen {
-                    key: key.expect("the half was grouped by its keys"),
-                    log_i: f32::from_bits(vertices[i][3]),
-                    waited: pixels[i][3],
-                }
+        self.look_at_keys(run, half, &[ROW_PIXEL, ROW_VERTICES], |keys, rows| {
+            let (pixels, vertices) = rows.split_at(keys.len());
+            let seen = |i: usize| Seen {
+                key: keys.get(i).expect("the half was grouped by its keys"),
+                log_i: f32::from_bits(vertices[i][3]),
+                waited: pixels[i][3],
             };
             (0..keys.len()).into_par_iter().map(seen).collect()
         })

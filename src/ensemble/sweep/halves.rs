@@ -1,7 +1,5 @@
 //! What the host reads of a half: the types of its paths, and what a frozen half tells the other.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 
 use super::Ensemble;
@@ -11,9 +9,29 @@ use crate::ensemble::groups::Group;
 use crate::ensemble::guidance::{Guidance, NORMAL_LENGTH, SIMILARITY_RADIUS};
 use crate::ensemble::pool::{Pool, TypeKey};
 use crate::ensemble::similarity::similarity_median;
-use crate::gpu::layout::{PassUniform, ROW_KEY, guide_rows, row_guide, unpack_position};
+use crate::gpu::layout::{PassUniform, ROW_KEY, ROW_LENS, guide_rows, is_long, row_guide, unpack_position};
 use crate::gpu::run::{Buffer, Dispatch, Run};
 use crate::{Error, Result};
+
+/// The types of the paths of a half.
+#[derive(Clone, Copy)]
+pub(super) struct Keys<'a> {
+    rows: &'a [[u32; 4]],
+    /// Where keys may be long.
+    lens: &'a [[u32; 4]],
+}
+
+impl Keys<'_> {
+    pub(super) fn len(self) -> usize {
+        self.rows.len()
+    }
+
+    /// None where the device has miscomputed.
+    pub(super) fn get(self, i: usize) -> Option<TypeKey> {
+        let [third, last] = self.lens.get(i).map_or([0; 2], |row| [row[2], row[3]]);
+        TypeKey::from_words([self.rows[i][0], self.rows[i][1], third, last])
+    }
+}
 
 impl Ensemble {
     /// What the frozen half tells the moving one, taken after all its moves (METHOD.md C6e).
@@ -66,33 +84,48 @@ impl Ensemble {
         })
     }
 
-    /// Where rows of the paths of a half lie, one after another.
-    pub(super) fn ranges_of(&self, half: usize, rows: &[usize]) -> Vec<Range<u64>> {
+    /// Rows of the paths of a half, one after another: those of their types, then `rows`.
+    pub(super) fn look_at_keys<T>(
+        &self,
+        run: &mut Run,
+        half: usize,
+        rows: &[usize],
+        look: impl FnOnce(Keys, &[[u32; 4]]) -> T,
+    ) -> Result<T> {
         let groups = self.build.groups;
         let range = |row: &usize| {
             let start = 16 * (*row as u64 * u64::from(groups.paths()) + u64::from(groups.first_of_half(half)));
             start..start + 16 * u64::from(groups.half_paths())
         };
-        rows.iter().map(range).collect()
+        // Where keys may be long, the lens's row has the rest of them.
+        let of_keys: &[usize] = if is_long(self.build.max_edges) { &[ROW_KEY, ROW_LENS] } else { &[ROW_KEY] };
+        let ranges: Vec<_> = of_keys.iter().chain(rows).map(range).collect();
+        run.look_at(Buffer::Chains, &ranges, |bytes| {
+            let all: &[[u32; 4]] = bytemuck::cast_slice(bytes);
+            let (keys, rest) = all.split_at(groups.half_paths() as usize);
+            let (lens, rest) = rest.split_at((of_keys.len() - 1) * keys.len());
+            look(Keys { rows: keys, lens }, rest)
+        })
     }
 
     /// Sorts the groups of a half anew by the types of their paths, as the device tells them. With `weighed`, also the
     /// samples of b and of the target's integral that the independence kernel has left with the keys, by group and path.
     pub(super) fn regroup(&mut self, run: &mut Run, half: usize, weighed: bool) -> Result<Vec<Vec<[f64; 2]>>> {
         let Build { groups, two_stage, .. } = self.build;
-        let sample = |row: &[u32; 4]| {
-            let log_weight = f64::from(f32::from_bits(row[3]));
-            let log_w = if two_stage { f64::from(f32::from_bits(row[2])) } else { 0.0 };
-            [weight(log_weight), weight(log_weight - log_w)]
+        // log w of the last independent proposal; log w(p) of its pixel, under a two-stage target.
+        let sample = |[_, _, log_w, log_proposed]: &[u32; 4]| {
+            let [log_w, log_proposed] = [log_w, log_proposed].map(|bits| f64::from(f32::from_bits(*bits)));
+            [weight(log_proposed), weight(log_proposed - if two_stage { log_w } else { 0.0 })]
         };
-        let of_group = |(group, rows): (usize, &[[u32; 4]])| {
-            let keys: Option<Vec<TypeKey>> = rows.iter().map(|row| TypeKey::from_words([row[0], row[1]])).collect();
-            let group = Group::new(Pool::build(&keys?, groups.first(half, group as u32)));
-            Some((group, if weighed { rows.iter().map(sample).collect() } else { Vec::new() }))
-        };
-        let regrouped: Option<Vec<_>> = run.look_at(Buffer::Chains, &self.ranges_of(half, &[ROW_KEY]), |bytes| {
-            let rows: &[[u32; 4]] = bytemuck::cast_slice(bytes);
-            rows.par_chunks_exact(groups.group_paths() as usize).enumerate().map(of_group).collect()
+        let regrouped: Option<Vec<_>> = self.look_at_keys(run, half, &[], |keys, _| {
+            let each = groups.group_paths() as usize;
+            let of_group = |group: u32| {
+                let paths = group as usize * each..(group as usize + 1) * each;
+                let samples = if weighed { keys.rows[paths.clone()].iter().map(sample).collect() } else { Vec::new() };
+                let keys: Option<Vec<TypeKey>> = paths.map(|i| keys.get(i)).collect();
+                Some((Group::new(Pool::build(&keys?, groups.first(half, group))), samples))
+            };
+            (0..groups.count()).into_par_iter().map(of_group).collect()
         })?;
         let regrouped = regrouped.ok_or_else(|| {
             Error::runtime(

@@ -1,6 +1,7 @@
 //! Every shader that can be asked for composes and validates.
 
 use super::*;
+use crate::ensemble::pool::MAX_EDGES;
 
 /// Every combination of features and every flag set that the renderer or its tests use.
 #[test]
@@ -197,10 +198,10 @@ fn every_shader_of_every_feature_set_validates() {
         }
         sets.push(features);
     }
-    let check = |features: Features| {
+    let check = |features: Features, max_edges: u32| {
         for (pass, sets) in flag_sets {
             for flags in sets {
-                let variant = Variant { pass, features, max_edges: 12, flags: flags.to_vec() };
+                let variant = Variant { pass, features, max_edges, flags: flags.to_vec() };
                 let text = compose(&variant).unwrap_or_else(|e| panic!("{variant:?}: {e}"));
                 validate(&text).unwrap_or_else(|e| panic!("{variant:?}: {e}"));
             }
@@ -209,9 +210,14 @@ fn every_shader_of_every_feature_set_validates() {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     std::thread::scope(|scope| {
         for sets in sets.chunks(sets.len().div_ceil(threads)) {
-            scope.spawn(move || sets.iter().for_each(|features| check(*features)));
+            scope.spawn(move || sets.iter().for_each(|features| check(*features, 12)));
         }
     });
+    // Long type keys touch neither materials nor lights.
+    for bits in 0..8 {
+        let (mirror, sky, aperture) = (bits & 1 != 0, bits & 2 != 0, bits & 4 != 0);
+        check(Features { mirror, sky, aperture, ..Features::default() }, MAX_EDGES);
+    }
 }
 
 /// Without a lens its module is not there; the same rule holds for every feature.
@@ -225,6 +231,16 @@ fn a_pinhole_has_nothing_of_a_lens() {
         };
         assert!(text(true).contains("lens_word") && !text(false).contains("lens_word"), "{pass}");
         assert!(text(true).contains("lens_point") && !text(false).contains("lens_point"), "{pass}");
+    }
+}
+
+/// Up to 32 edges, type keys have two words.
+#[test]
+fn short_paths_have_nothing_of_long_keys() {
+    for pass in ["bootstrap", "camera_side", "crossover", "exchange", "weigh"] {
+        let text =
+            |max_edges| compose(&Variant { pass, features: Features::default(), max_edges, flags: vec![] }).unwrap();
+        assert!(text(33).contains("ROW_LENS") && !text(32).contains("ROW_LENS"), "{pass}");
     }
 }
 
