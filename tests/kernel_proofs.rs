@@ -7,6 +7,8 @@ mod arithmetic;
 mod bench;
 #[path = "kernel_proofs/crossover.rs"]
 mod crossover;
+#[path = "kernel_proofs/culling.rs"]
+mod culling;
 #[path = "kernel_proofs/double.rs"]
 mod double;
 #[path = "kernel_proofs/precision.rs"]

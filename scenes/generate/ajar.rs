@@ -122,7 +122,13 @@ fn uplighter(scene: &mut Document) {
     scene.object("lamp", &disc, lamp);
     let shell = rod(&[[x, y - 0.09, z, 0.05], [x, y - 0.05, z, 0.17], [x, y - 0.003, z, 0.21]], 24);
     let stem = rod(&[[x, y - 0.003, z, 0.012], [x, FAR_CEILING + 0.02, z, 0.012]], 12);
-    scene.object("bowl", &Mesh::joined(&[shell, stem]), bowl);
+    // Cameras do not see a lamp's back: its edge is closed down to the bowl.
+    let mut edge = Mesh::default();
+    for (i, &from) in rim.iter().enumerate() {
+        let (to, down) = (rim[(i + 1) % rim.len()], Vec3::Y * 0.003);
+        edge.polygon(&[from - down, to - down, to, from]);
+    }
+    scene.object("bowl", &Mesh::joined(&[shell, stem, edge]), bowl);
 }
 
 /// The frame, the door ajar in it, and its handles.

@@ -80,7 +80,8 @@ fn summary(scene: &Scene) -> String {
     let (centre, radius) = scene.bounding_sphere();
     row("bounds", format!("centre {:.4} {:.4} {:.4}, radius {radius:.4}", centre.x, centre.y, centre.z));
     // As the default camera sees it.
-    let features = scene.cameras.first().map_or(Features::of(scene), |camera| Features::of(scene).seen_by(camera));
+    let features =
+        scene.cameras.first().map_or(Features::of(scene), |camera| Features::of(scene).seen_by(scene, camera));
     let names: Vec<&str> = features.flags().iter().filter(|(_, on)| *on).map(|(name, _)| *name).collect();
     row("features", if names.is_empty() { "diffuse only".into() } else { names.join(", ") });
     for kernel in kernels::ALL {

@@ -20,7 +20,7 @@ pub fn emitters(scene: &Scene, order: &[u32], corners: &[[Vec3; 3]], emission: &
         if luminance > 0.0 {
             let [a, b, c] = corners[source as usize];
             let area = 0.5 * f64::from((b - a).cross(c - a).length());
-            let sides = if material.double_sided { 2.0 } else { 1.0 };
+            let sides = if material.emits_on_both_sides() { 2.0 } else { 1.0 };
             weights.push(area * sides * f64::from(luminance));
             emitters.push(leaf as u32);
         }

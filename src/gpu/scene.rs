@@ -16,7 +16,8 @@ use crate::{Error, Result};
 pub struct SceneData {
     pub uniform: SceneUniform,
     pub nodes: Vec<[u32; 20]>,
-    /// v0, v1 - v0, v2 - v0 per triangle; where emission is textured, the first has its mean luminance beside it.
+    /// v0, v1 - v0, v2 - v0 per triangle; where emission is textured, the first has its mean luminance beside it, and the
+    /// second 1 where its back is culled.
     pub triangles: Vec<[f32; 4]>,
     /// Octahedral normals and material per triangle.
     pub shading: Vec<[u32; 4]>,
@@ -56,11 +57,13 @@ impl SceneData {
         for &source in &accel.order {
             let [a, b, c] = corners[source as usize];
             let mean = if features.emission_mapped { emission[source as usize] as f32 } else { 0.0 };
-            for (v, w) in [(a, mean), (b - a, 0.0), (c - a, 0.0)] {
+            let material = scene.triangle_materials[source as usize];
+            let culled = if scene.materials[material as usize].is_culled() { 1.0 } else { 0.0 };
+            for (v, w) in [(a, mean), (b - a, culled), (c - a, 0.0)] {
                 triangles.push([v.x, v.y, v.z, w]);
             }
             let n = scene.triangles[source as usize].map(|i| surface::encode_octahedral(scene.normals[i as usize]));
-            shading.push([n[0], n[1], n[2], scene.triangle_materials[source as usize]]);
+            shading.push([n[0], n[1], n[2], material]);
         }
 
         let (mut weights, mut emitters) = lights::emitters(scene, &accel.order, &corners, &emission);

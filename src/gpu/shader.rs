@@ -30,7 +30,7 @@ pub struct Variant {
 
 /// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
 /// instead of splats, and deliberately wrong kernels that the tests must catch.
-pub const PASS_FLAGS: [&str; 22] = [
+pub const PASS_FLAGS: [&str; 23] = [
     "guided",
     "multi_chain",
     "walk",
@@ -53,6 +53,7 @@ pub const PASS_FLAGS: [&str; 22] = [
     "twin_jacobian",
     "twin_acceptance",
     "twin_splat",
+    "twin_blocked",
 ];
 
 /// The shaders' modules: those built in, or a folder's in their place, for whoever works on them.

@@ -97,7 +97,7 @@ fn pack_material(m: &Material, threshold: f32, extended: bool) -> [[u32; 4]; MAT
     // A textured alpha is the roughness factor's times the texture's square; its sign and that it is no delta stay.
     let alpha = if m.alpha() > 0.0 && m.mapped_alpha.is_some() { m.roughness * m.roughness } else { m.alpha() };
     let alpha = if m.is_narrow(threshold) { -alpha } else { alpha };
-    let sides = if m.double_sided { 2.0 } else { 1.0 };
+    let sides = if m.emits_on_both_sides() { 2.0 } else { 1.0 };
     let thin = if m.thin { 1.0 } else { 0.0 };
     [
         [m.base_color.x, m.base_color.y, m.base_color.z, m.metallic],

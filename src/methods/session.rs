@@ -63,13 +63,13 @@ impl Prepared {
         let camera = &scene.camera(settings.camera.as_deref())?.through(settings.lens)?;
         let threshold = settings.specular_threshold();
         let data = SceneData::with_threshold(scene, camera, settings.width, settings.height, threshold)?;
-        Ok(Self { features: Features::with_threshold(scene, threshold).seen_by(camera), data })
+        Ok(Self { features: Features::with_threshold(scene, threshold).seen_by(scene, camera), data })
     }
 
-    /// Lets `camera` see the scene, on a film of the size in pixels.
-    pub fn aim(&mut self, camera: &Camera, width: u32, height: u32) {
+    /// Lets `camera` see `scene`, which it was made from, on a film of the size in pixels.
+    pub fn aim(&mut self, scene: &Scene, camera: &Camera, width: u32, height: u32) {
         self.data.aim(camera, width, height);
-        self.features = self.features.seen_by(camera);
+        self.features = self.features.seen_by(scene, camera);
     }
 
     /// What is compiled into the shaders.

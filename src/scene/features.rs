@@ -26,6 +26,8 @@ pub struct Features {
     pub orthographic: bool,
     /// The camera has a lens of some width; likewise.
     pub aperture: bool,
+    /// The camera faces backs that it does not see; likewise.
+    pub culled: bool,
     /// There are more triangles than one buffer need hold ([`SPLIT_TRIANGLES`]).
     pub split: bool,
     /// Light comes from infinitely far: from a sky, an environment or a direction.
@@ -129,9 +131,10 @@ impl Features {
         features
     }
 
-    /// The same for what `camera` sees.
-    pub fn seen_by(self, camera: &Camera) -> Self {
-        Self { orthographic: camera.orthographic_height.is_some(), aperture: camera.lens.is_some(), ..self }
+    /// The same for what `camera` sees of `scene`.
+    pub fn seen_by(self, scene: &Scene, camera: &Camera) -> Self {
+        let (orthographic, aperture) = (camera.orthographic_height.is_some(), camera.lens.is_some());
+        Self { orthographic, aperture, culled: scene.has_culled_back(camera), ..self }
     }
 
     /// Whether materials have more than factors: rows of textures and coverage.
@@ -150,7 +153,7 @@ impl Features {
     }
 
     /// Every flag with its name, as the shaders call it.
-    pub fn flags(&self) -> [(&'static str, bool); 26] {
+    pub fn flags(&self) -> [(&'static str, bool); 27] {
         [
             ("glossy", self.glossy),
             ("mirror", self.mirror),
@@ -159,6 +162,7 @@ impl Features {
             ("narrow", self.narrow),
             ("orthographic", self.orthographic),
             ("aperture", self.aperture),
+            ("culled", self.culled),
             ("split", self.split),
             ("sky", self.sky),
             ("mixed", self.mixed),

@@ -36,7 +36,7 @@ pub struct Material {
     pub absorption: Vec3,
     /// Radiance: emissiveFactor * emissiveStrength.
     pub emission: Vec3,
-    /// Emits on both sides; reflection is two-sided in any case.
+    /// A camera sees it from both sides, and it emits on both; it reflects on both in any case.
     pub double_sided: bool,
     /// The base colour's fourth component, and what it means; opaque where there is glass.
     pub base_alpha: f32,
@@ -245,6 +245,11 @@ impl Material {
     /// Whether it emits otherwise from place to place.
     pub fn has_uneven_emission(&self) -> bool {
         self.emits() && (self.textures.emissive.is_some() || (self.unlit && self.vertex_colored))
+    }
+
+    /// Whether its light goes to both sides; an unlit surface's always does.
+    pub fn emits_on_both_sides(&self) -> bool {
+        self.double_sided || self.unlit
     }
 
     /// Whether triangles of this material are lights.

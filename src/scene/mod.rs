@@ -2,6 +2,7 @@
 
 pub mod albedo;
 pub mod camera;
+mod culling;
 pub mod environment;
 pub mod features;
 pub mod import;

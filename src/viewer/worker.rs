@@ -51,7 +51,7 @@ impl Loaded {
                 .insert(key, Prepared::new(&self.scene, &Settings { camera: None, lens: None, ..settings.clone() })?);
         }
         let prepared = self.prepared.get_mut(&key).expect("just made");
-        prepared.aim(camera, settings.width, settings.height);
+        prepared.aim(&self.scene, camera, settings.width, settings.height);
         Ok(prepared)
     }
 }

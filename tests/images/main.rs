@@ -9,6 +9,7 @@ mod calibration;
 mod comparison;
 mod coverage;
 mod crossover;
+mod culling;
 mod furnace;
 mod glass_furnace;
 mod groups;

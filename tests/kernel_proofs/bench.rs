@@ -64,7 +64,7 @@ impl<'a> Bench<'a> {
     pub fn of(context: &'a Context, scene: &Scene) -> Self {
         let camera = scene.camera(None).unwrap();
         let data = SceneData::new(scene, camera, FILM[0], FILM[1]).unwrap();
-        let features = Features::of(scene).seen_by(camera);
+        let features = Features::of(scene).seen_by(scene, camera);
         let sizes = Sizes {
             chains: 16 * chain_rows(MAX_EDGES) as u64 * u64::from(COLUMNS),
             lists: 4 * list_words(PATHS, BATCH),

@@ -20,7 +20,7 @@ use emlt::gpu::shader::Variant;
 use emlt::methods::Method::{self, Emlt, Mlt, Pt};
 use emlt::reference::rng;
 use emlt::scene::material::Material;
-use emlt::scene::{Features, LUMINANCE, Scene, Texture};
+use emlt::scene::{Camera, Features, LUMINANCE, Lens, Scene, Texture};
 use glam::{DVec2, DVec3, Vec4, vec3};
 use renders::{render, replicates, settings};
 use room::{layered_room, lit_room, orthographic_room, room, unlit_wall, veiled_room};
@@ -117,7 +117,7 @@ fn look_ups_are_their_twins() {
             let (x, y) = (f64::from(*scale) * code.x, f64::from(*scale) * code.y);
             (x * tangent + y * upright.cross(tangent) + code.z * upright).normalize()
         });
-        let sides = if m.double_sided { 2.0 } else { 1.0 };
+        let sides = if m.emits_on_both_sides() { 2.0 } else { 1.0 };
         let density = means[triangle] * sides / f64::from(total);
         let expected = [
             [base.x, base.y, base.z, f64::from(m.metallic) * blue],
@@ -209,6 +209,25 @@ fn b_with_layers_is_that_of_path_tracing() {
 #[test]
 fn b_of_an_orthographic_camera_is_that_of_path_tracing() {
     check_b(&[orthographic_room()], 512);
+}
+
+/// The back wall, the screen and the veil are culled; light still meets both of their sides.
+#[test]
+fn b_from_behind_is_that_of_path_tracing() {
+    let [pinhole, lens, orthographic] = [0, 1, 2].map(|kind| {
+        let mut scene = veiled_room();
+        let camera = scene.cameras[0].looking(vec3(0.4, 1.3, -3.2), vec3(0.0, 0.8, 0.0)).unwrap();
+        scene.name =
+            ["room from behind", "room from behind through a lens", "orthographic room from behind"][kind].into();
+        scene.cameras[0] = Camera {
+            lens: (kind == 1).then_some(Lens { aperture: 0.3, focus: 3.0 }),
+            orthographic_height: (kind == 2).then_some(2.4),
+            ..camera
+        };
+        assert!(Features::of(&scene).seen_by(&scene, &scene.cameras[0]).culled);
+        scene
+    });
+    check_b(&[pinhole, lens, orthographic], 1024);
 }
 
 /// What is unlit has its colour, whatever shines on it, also behind.

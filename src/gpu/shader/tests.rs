@@ -20,6 +20,7 @@ fn every_shader_of_every_feature_set_validates() {
                 &["segment", "guided", "maps", "two_stage"],
                 &["segment", "twin_places"],
                 &["segment", "twin_lens"],
+                &["segment", "twin_blocked"],
                 &["segment", "guided", "twin_places"],
                 &["segment", "probe"],
                 &["segment", "guided", "probe"],
@@ -153,6 +154,16 @@ fn every_shader_of_every_feature_set_validates() {
         Features { split: true, ..Features::default() },
         Features { split: true, textured: true, emission_mapped: true, ..Features::default() },
         Features { aperture: true, mixed: true, ..Features::default() },
+        Features { culled: true, ..Features::default() },
+        Features { culled: true, split: true, aperture: true, mixed: true, ..Features::default() },
+        Features {
+            culled: true,
+            orthographic: true,
+            textured: true,
+            masked: true,
+            blended: true,
+            ..Features::default()
+        },
         Features {
             textured: true,
             vertex_colored: true,
@@ -241,6 +252,21 @@ fn short_paths_have_nothing_of_long_keys() {
         let text =
             |max_edges| compose(&Variant { pass, features: Features::default(), max_edges, flags: vec![] }).unwrap();
         assert!(text(33).contains("ROW_LENS") && !text(32).contains("ROW_LENS"), "{pass}");
+    }
+}
+
+/// Where no back is culled, rays are not told whose they are.
+#[test]
+fn shaders_without_culling_know_of_none() {
+    for pass in ["camera_side", "light_side", "independence", "path_trace"] {
+        let text = |culled| {
+            let features = Features { culled, mirror: true, ..Features::default() };
+            compose(&Variant { pass, features, max_edges: 12, flags: vec![] }).unwrap()
+        };
+        for name in ["is_culled", "from_camera"] {
+            assert!(text(true).contains(name), "{pass}: {name}");
+        }
+        assert!(!text(false).contains("is_culled"), "{pass}");
     }
 }
 

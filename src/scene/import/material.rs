@@ -79,7 +79,6 @@ pub fn convert(material: &json::Material, raw: &Value, colored: bool, mut reader
         // Its radiance is its colour in all directions; it scatters nothing.
         converted = Material {
             unlit: true,
-            double_sided: true,
             emission: converted.base_color.clamp(Vec3::ZERO, Vec3::ONE),
             base_color: Vec3::ZERO,
             metallic: 0.0,

@@ -1,0 +1,51 @@
+//! Kernels where the camera's own edge passes backs that are culled: the glossy room from outside, through its near wall.
+
+use emlt::kernels::{bidirectional, caustic, guided_caustic, guided_lens, guided_multi_chain, lens, multi_chain};
+use emlt::scene::{Camera, Scene};
+use glam::vec3;
+
+use crate::bench::{Bench, context};
+use crate::{LENS, ROUNDS, check_all, check_factors, check_stationarity_on, check_symmetry, seen_by, structural};
+
+fn from_outside(change: impl Fn(&mut Camera)) -> Scene {
+    let scene = seen_by(|camera| {
+        let outside = camera.looking(vec3(0.3, 1.2, 3.9), vec3(-0.05, 0.85, 0.0)).unwrap();
+        *camera = Camera { vertical_fov: 32f32.to_radians(), ..outside };
+        change(camera);
+    });
+    assert!(scene.has_culled_back(&scene.cameras[0]));
+    scene
+}
+
+/// The twin's connections from the light to the camera stop at the wall.
+#[test]
+fn kernels_through_a_culled_wall_are_exact() {
+    let context = context();
+    let mut bench = Bench::of(&context, &from_outside(|_| ()));
+    assert!(bench.features.culled);
+    let perturbations = [
+        &lens::KERNEL,
+        &guided_lens::KERNEL,
+        &multi_chain::KERNEL,
+        &guided_multi_chain::KERNEL,
+        &caustic::KERNEL,
+        &guided_caustic::KERNEL,
+    ];
+    check_symmetry(&mut bench, "culled wall", &perturbations);
+    check_factors(&mut Bench::of(&context, &from_outside(|_| ())));
+    bench.publish_guides();
+    let (share, n) = structural::asymmetric_share(&mut bench, &bidirectional::KERNEL, false, 300_000);
+    println!("culled wall, bidirectional: {share:.2e} of {n} proposals asymmetric");
+    assert!(share < 1e-3, "bidirectional: {share}");
+    check_stationarity_on(&mut bench, "culled wall", &perturbations, &[], &[16], ROUNDS);
+    let twins = [(&bidirectional::KERNEL, "twin_blocked")];
+    check_stationarity_on(&mut bench, "culled wall", &[&bidirectional::KERNEL], &twins, &[4], ROUNDS);
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_kernels_through_a_culled_wall_leave_the_target_alone() {
+    check_all("culled wall", &from_outside(|_| ()));
+    check_all("culled wall, lens", &from_outside(|camera| camera.lens = Some(LENS)));
+    check_all("culled wall, orthographic", &from_outside(|camera| camera.orthographic_height = Some(1.6)));
+}
