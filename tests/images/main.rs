@@ -24,3 +24,4 @@ mod sphere;
 mod threshold;
 mod tiles;
 mod types;
+mod workgroups;

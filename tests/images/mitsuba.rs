@@ -49,7 +49,7 @@ pub fn settings_for(truth: &Truth, method: Method, max_depth: u32, samples_per_p
 fn compare(name: &str, path: &str, max_depth: u32, method: Method, [spp, count]: [u32; 2], power: Power) {
     let truth = reference(name);
     let mut settings = settings_for(&truth, method, max_depth, spp);
-    if ["shards_4_edges", "rough_glass", "ring", "slit"].contains(&name) {
+    if ["shards_4_edges", "shards", "rough_glass", "ring", "slit"].contains(&name) {
         // Rare paths hold per cents of the light there, and b's noise would hide what the test is to see.
         settings.candidates = CANDIDATES;
     }
@@ -201,6 +201,18 @@ fn long_ajar_by_emlt() {
 #[ignore = "takes minutes; ./run test --long"]
 fn long_shards_by_pt() {
     compare("shards", SHARDS, FULL_DEPTH, Pt, [400, 24], Power { film: 0.02, tile: 0.05 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_shards_by_mlt() {
+    compare("shards", SHARDS, FULL_DEPTH, Mlt, [600, 16], Power { film: 0.03, tile: 0.5 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_shards_by_emlt() {
+    compare("shards", SHARDS, FULL_DEPTH, Emlt, [600, 16], Power { film: 0.03, tile: 0.5 });
 }
 
 // Those of mirrors and slit have been run, and slit sees 10 % of the film; what those of ring are asked to see is a wish, not
