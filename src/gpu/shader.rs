@@ -116,8 +116,7 @@ pub fn compose(variant: &Variant) -> Result<String, String> {
 
 fn compose_with(mut resolver: VirtualResolver, variant: &Variant, workgroup: u32) -> Result<String, String> {
     let constants = [("MAX_EDGES", variant.max_edges), ("MOST_GUIDES", MOST_GUIDES), ("WORKGROUP", workgroup)];
-    let constants: String =
-        constants.iter().map(|(name, value)| format!("const {name}: u32 = {value}u;\n")).collect();
+    let constants: String = constants.iter().map(|(name, value)| format!("const {name}: u32 = {value}u;\n")).collect();
     resolver.add_module(module_path("specialised")?, Cow::Owned(constants));
     let mut options = CompileOptions::default();
     // naga validates what comes out.

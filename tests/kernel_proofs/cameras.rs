@@ -35,7 +35,7 @@ fn kernels_through_a_lens_are_exact() {
     let (share, n) = structural::asymmetric_share(&mut bench, &bidirectional::KERNEL, false, 300_000);
     println!("lens, bidirectional: {share:.2e} of {n} proposals asymmetric");
     assert!(share < 1e-3, "bidirectional: {share}");
-    let twins = [(&bidirectional::KERNEL, "twin_lens")];
+    let twins = [(&bidirectional::KERNEL, "twin_lens", 2)];
     check_stationarity_on(&mut bench, "lens", &[&bidirectional::KERNEL], &twins, &[4], ROUNDS);
 }
 
@@ -67,4 +67,3 @@ fn check_all(name: &str, scene: &Scene) {
     check_stationarity_on(&mut bench, name, PERTURBATIONS[2].1, &[], &[16], ROUNDS);
     check_stationarity_on(&mut bench, name, &structural, &[], &[4], ROUNDS);
 }
-

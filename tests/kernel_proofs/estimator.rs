@@ -145,11 +145,14 @@ fn check(bench: &mut Bench, room: &Room, case: &Case) -> Agreement {
     let l = light_sweep_start(key, features).unwrap_or(0) as usize;
     let turns = if light { vec![] } else { turns_of(key) };
     // Two coordinates, or two pairs of them.
-    let (first, second) = if light { (Rings(&TURNS), None) } else { (Rings(&STEPS), turns.first().map(|_| Rings(&TURNS))) };
+    let (first, second) =
+        if light { (Rings(&TURNS), None) } else { (Rings(&STEPS), turns.first().map(|_| Rings(&TURNS))) };
     let parts = first.count() * second.as_ref().map_or(1, Rings::count);
     let truth = |d: DVec2, t: DVec2| match light {
         true => room.light_sweep(&path, l, d),
-        false => room.camera_sweep(&path, j, path.pixel + d, if turns.is_empty() { &[] } else { std::slice::from_ref(&t) }),
+        false => {
+            room.camera_sweep(&path, j, path.pixel + d, if turns.is_empty() { &[] } else { std::slice::from_ref(&t) })
+        }
     };
     let of_x = truth(DVec2::ZERO, DVec2::ZERO);
     assert!(of_x > 0.0, "x itself is not found by {}: {}", kernel.name, key.string());
@@ -210,8 +213,12 @@ fn check(bench: &mut Bench, room: &Room, case: &Case) -> Agreement {
             if twin == Twin::Cosine {
                 let last = &y.points[y.edges() - 1];
                 let at = turns.first().map_or(j, |i| *i as usize);
-                c /= if light { last.ng.dot(room.towards_eye(last)) } else { y.points[at].ns.dot(y.direction(at, at - 1)) }
-                    .abs();
+                c /= if light {
+                    last.ng.dot(room.towards_eye(last))
+                } else {
+                    y.points[at].ns.dot(y.direction(at, at - 1))
+                }
+                .abs();
             }
             sums.add(kind, part, c / (proposals * density + f64::from(put) / area));
         }

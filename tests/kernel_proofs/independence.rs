@@ -90,15 +90,8 @@ fn independent_proposals_estimate_what_path_tracing_finds() {
         for seed in 1..=RENDERS {
             let [width, height] = FILM;
             let budget = Budget::SamplesPerPixel(16);
-            let settings = Settings {
-                method: Method::Pt,
-                width,
-                height,
-                budget,
-                seed,
-                max_depth: longest,
-                ..Settings::default()
-            };
+            let settings =
+                Settings { method: Method::Pt, width, height, budget, seed, max_depth: longest, ..Settings::default() };
             let image = render_on(&context, &scene, &settings, &mut Silent).unwrap_or_else(|e| panic!("{e}")).image;
             let mut light = [0.0; TILES];
             for (i, pixel) in (0..).zip(&image.pixels) {
