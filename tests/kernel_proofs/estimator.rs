@@ -63,7 +63,7 @@ fn held_paths(bench: &mut Bench, room: &Room, key: TypeKey, count: u32) -> Vec<H
     let edges = key.edges() as usize;
     let rows: Vec<_> = (0..edges).map(|i| bench.rows(ROW_VERTICES + 2 * i, 0, count)).collect();
     let pixels = bench.pixels(count);
-    let tags: Vec<u32> = (0..edges as u32).map(|i| if i == 0 { DIFFUSE } else { key.tag_bits(i) as u32 }).collect();
+    let tags: Vec<u32> = (0..edges as u32).map(|i| if i == 0 { DIFFUSE } else { key.tag_bits(i) }).collect();
     let held = |path: usize| {
         let point = |row: &Vec<[u32; 4]>| {
             let [triangle, u, v, _] = row[path];
@@ -284,8 +284,8 @@ fn check_stretch(bench: &mut Bench, room: &Room, kernel: &Kernel, added: u32, tw
         let u = [0, 1].map(|block| rng::random_words(SEED, n, block, 8).map(rng::uniform));
         let (mut at, mut from, mut density) = (path.points[before], back, 1.0);
         let mut new = Vec::new();
-        for step in 0..added as usize {
-            let Some((found, pdf)) = room.scattered(&at, from, [u[step][0], u[step][1]]) else { break };
+        for u in &u[..added as usize] {
+            let Some((found, pdf)) = room.scattered(&at, from, [u[0], u[1]]) else { break };
             from = (at.position - found.position).normalize();
             (at, density) = (found, density * pdf);
             new.push(found);

@@ -153,7 +153,7 @@ fn the_mix_of_emlt_leaves_the_target_alone() {
 fn a_mix_with_a_broken_kernel_is_caught() {
     let mut broken = default_mix(Method::Emlt);
     broken[1].0 = &WITHOUT_PLACES;
-    let z = check(&context(), SCENE, "a twin", &broken, 200_000);
+    let z = check(&context(), SCENE, "a twin", &broken, 100_000);
     assert!(z > Z_LIMIT, "a mix with a broken kernel passes: |z| = {z}");
 }
 

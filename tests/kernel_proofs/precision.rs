@@ -305,7 +305,7 @@ fn check_features(wanted: usize) {
 
 #[test]
 fn log_ratios_of_further_features_are_those_of_double_precision() {
-    check_features(500);
+    check_features(250);
 }
 
 /// The twin leaves the reverse density out in double precision: the comparison must see it.

@@ -313,35 +313,33 @@ impl Room {
 
     /// f of matt vertices `between` two kept ones of `held`, `before` and `after`, over that of the path itself.
     pub fn stretch(&self, held: &Held, before: usize, after: usize, between: &[Point]) -> f64 {
-        let rest = (0..held.edges()).filter(|i| *i < before || *i > after);
-        let light = colour(self.materials[held.points[0].material].emission);
-        let rest = rest.filter(|i| *i > 0).fold(light, |c, i| c * self.tint(&held.points[i], held.tags[i]));
-        let of = |between: &[Point]| {
-            let onward = |i: usize| (i + 1 < held.edges()).then(|| held.points[i + 1].position).unwrap_or(self.eye);
-            let mut c = rest;
-            let mut way = vec![held.points[before]];
-            way.extend_from_slice(between);
-            way.push(held.points[after]);
-            for (n, p) in way.iter().enumerate() {
-                let back = if n == 0 { held.points[before - 1].position } else { way[n - 1].position };
-                let on = if n + 1 == way.len() { onward(after) } else { way[n + 1].position };
-                c *= self.matt(p, (back - p.position).normalize(), (on - p.position).normalize());
-                if n > 0 {
-                    let edge = p.position - back;
-                    let w = edge.normalize();
-                    c *= way[n - 1].ng.dot(w).abs() * p.ns.dot(w).abs() / edge.length_squared();
-                }
-            }
-            c.dot(LUMINANCE)
-        };
-        let clear = |(a, b): (&Point, &Point)| self.sees(a.position, b.position, [Some(a.triangle), Some(b.triangle)]);
-        let mut way = vec![held.points[before]];
-        way.extend_from_slice(between);
-        way.push(held.points[after]);
-        if !way.windows(2).all(|pair| clear((&pair[0], &pair[1]))) {
+        let way_of = |between: &[Point]| [&held.points[before..=before], between, &held.points[after..=after]].concat();
+        let way = way_of(between);
+        let clear = |a: &Point, b: &Point| self.sees(a.position, b.position, [Some(a.triangle), Some(b.triangle)]);
+        if !way.windows(2).all(|pair| clear(&pair[0], &pair[1])) {
             return 0.0;
         }
-        of(between) / of(&held.points[before + 1..after])
+        self.along(held, before, after, &way)
+            / self.along(held, before, after, &way_of(&held.points[before + 1..after]))
+    }
+
+    /// f of a path that goes the `way` from vertex `before` to vertex `after`, but for what the rest has besides colour.
+    fn along(&self, held: &Held, before: usize, after: usize, way: &[Point]) -> f64 {
+        let light = colour(self.materials[held.points[0].material].emission);
+        let rest = (1..held.edges()).filter(|i| *i < before || *i > after);
+        let mut c = rest.fold(light, |c, i| c * self.tint(&held.points[i], held.tags[i]));
+        let beyond = held.points.get(after + 1).map_or(self.eye, |p| p.position);
+        for (n, p) in way.iter().enumerate() {
+            let back = if n == 0 { held.points[before - 1].position } else { way[n - 1].position };
+            let onward = way.get(n + 1).map_or(beyond, |p| p.position);
+            c *= self.matt(p, (back - p.position).normalize(), (onward - p.position).normalize());
+            if n > 0 {
+                let edge = p.position - back;
+                let w = edge.normalize();
+                c *= way[n - 1].ng.dot(w).abs() * p.ns.dot(w).abs() / edge.length_squared();
+            }
+        }
+        c.dot(LUMINANCE)
     }
 
     /// A point that a ray from `p` finds, its direction drawn by the cosine on the side of `w`; with its density per area.
