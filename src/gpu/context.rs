@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use super::shader::{Sources, Variant, validate};
+use super::workgroups::WORKGROUP;
 use crate::{Error, Result};
 
 /// An open device with its queue.
@@ -20,6 +21,8 @@ pub struct Context {
     pipelines: Mutex<HashMap<Variant, wgpu::ComputePipeline>>,
     fault: Arc<OnceLock<Fault>>,
     sources: Mutex<Sources>,
+    /// Threads a workgroup.
+    pub(super) workgroup: u32,
 }
 
 /// What a device has said of itself outside of any call; nothing that it does afterwards can be relied on.
@@ -134,7 +137,13 @@ impl Context {
             pipelines: Mutex::default(),
             fault,
             sources: Mutex::default(),
+            workgroup: WORKGROUP,
         }
+    }
+
+    /// The same device with workgroups of so many threads, which no result may show (tests/images/workgroups.rs).
+    pub fn with_workgroups_of(self, threads: u32) -> Self {
+        Self { workgroup: threads, ..self }
     }
 
     /// Whether the device is gone: whoever wants to go on opens another.
@@ -161,8 +170,8 @@ impl Context {
 
     /// What opens another device of the same kind, which shares nothing but the driver's caches.
     pub(super) fn another(&self) -> impl FnOnce() -> Result<Self> + Send + 'static {
-        let (adapter, sources) = (self.adapter.clone(), self.sources());
-        move || Self::on(&adapter).map(|context| Self { sources: Mutex::new(sources), ..context })
+        let (adapter, sources, workgroup) = (self.adapter.clone(), self.sources(), self.workgroup);
+        move || Self::on(&adapter).map(|context| Self { sources: Mutex::new(sources), workgroup, ..context })
     }
 
     /// The sources of pipelines that are built from now on.

@@ -22,6 +22,7 @@ pub type Built = Vec<(Variant, wgpu::ComputePipeline)>;
 pub struct Builder {
     pub(super) device: wgpu::Device,
     pub(super) sources: Sources,
+    pub(super) workgroup: u32,
     /// Bind groups 0 and 1.
     pub(super) layouts: [wgpu::BindGroupLayout; 2],
 }
@@ -41,7 +42,7 @@ impl Builder {
     }
 
     pub(super) fn build(&self, variant: &Variant) -> Result<wgpu::ComputePipeline> {
-        let text = (self.sources.compose(variant))
+        let text = (self.sources.compose_for(variant, self.workgroup))
             .map_err(|e| Error::runtime(format!("a shader does not compose, please report it: {e}")))?;
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor {

@@ -189,6 +189,7 @@ impl<'a> Run<'a> {
         Builder {
             device: self.context.device.clone(),
             sources: self.context.sources(),
+            workgroup: self.context.workgroup,
             layouts: [self.scene.layout.clone(), self.layout.clone()],
         }
     }
@@ -250,7 +251,7 @@ impl<'a> Run<'a> {
             if !self.pipelines.contains_key(&dispatch.variant) {
                 self.pipelines.insert(dispatch.variant.clone(), self.builder().build(&dispatch.variant)?);
             }
-            let [x, y] = workgroups(dispatch.uniform.entries);
+            let [x, y] = workgroups(dispatch.uniform.entries, self.context.workgroup);
             let uniform = PassUniform { group_stride: group_stride(x * y), ..dispatch.uniform };
             slot[..size_of::<PassUniform>()].copy_from_slice(bytemuck::bytes_of(&uniform));
         }
@@ -266,7 +267,7 @@ impl<'a> Run<'a> {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
             pass.set_bind_group(0, &self.scene.group, &[]);
             for (dispatch, i) in part.iter().zip(&mut slots) {
-                let [x, y] = workgroups(dispatch.uniform.entries);
+                let [x, y] = workgroups(dispatch.uniform.entries, self.context.workgroup);
                 pass.set_pipeline(&self.pipelines[&dispatch.variant]);
                 pass.set_bind_group(1, &self.group, &[(i * PASS_STRIDE) as u32]);
                 pass.dispatch_workgroups(x, y, 1);

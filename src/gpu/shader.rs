@@ -10,6 +10,7 @@ use include_dir::{Dir, include_dir};
 use wesl::{CompileOptions, Feature, ModulePath, VirtualResolver, Wesl};
 
 use super::layout::is_long;
+use super::workgroups::WORKGROUP;
 use crate::Error;
 use crate::ensemble::guidance::MOST_GUIDES;
 use crate::scene::Features;
@@ -30,7 +31,7 @@ pub struct Variant {
 
 /// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
 /// instead of splats, and deliberately wrong kernels that the tests must catch.
-pub const PASS_FLAGS: [&str; 23] = [
+pub const PASS_FLAGS: [&str; 24] = [
     "guided",
     "multi_chain",
     "walk",
@@ -45,6 +46,7 @@ pub const PASS_FLAGS: [&str; 23] = [
     "probe",
     "probe_back",
     "probe_still",
+    "probe_density",
     "twin_one_sided",
     "twin_id",
     "twin_redraw",
@@ -77,6 +79,11 @@ impl Sources {
 
     /// The WGSL text of `variant`. Fails only on a fault of the sources, with the composer's words.
     pub fn compose(&self, variant: &Variant) -> Result<String, String> {
+        self.compose_for(variant, WORKGROUP)
+    }
+
+    /// The same for workgroups of so many threads.
+    pub fn compose_for(&self, variant: &Variant, workgroup: u32) -> Result<String, String> {
         let mut resolver = VirtualResolver::new();
         match &self.folder {
             None => add_modules(&SOURCES, &mut resolver)?,
@@ -85,7 +92,7 @@ impl Sources {
                 .try_for_each(|(inside, text)| Ok(resolver.add_module(module_path(inside)?, Cow::Borrowed(text))))
                 .map_err(|error: String| error)?,
         }
-        compose_with(resolver, variant)
+        compose_with(resolver, variant, workgroup)
     }
 }
 
@@ -109,9 +116,9 @@ pub fn compose(variant: &Variant) -> Result<String, String> {
     Sources::default().compose(variant)
 }
 
-fn compose_with(mut resolver: VirtualResolver, variant: &Variant) -> Result<String, String> {
-    let constants =
-        format!("const MAX_EDGES: u32 = {}u;\nconst MOST_GUIDES: u32 = {MOST_GUIDES}u;\n", variant.max_edges);
+fn compose_with(mut resolver: VirtualResolver, variant: &Variant, workgroup: u32) -> Result<String, String> {
+    let constants = [("MAX_EDGES", variant.max_edges), ("MOST_GUIDES", MOST_GUIDES), ("WORKGROUP", workgroup)];
+    let constants: String = constants.iter().map(|(name, value)| format!("const {name}: u32 = {value}u;\n")).collect();
     resolver.add_module(module_path("specialised")?, Cow::Owned(constants));
     let mut options = CompileOptions::default();
     // naga validates what comes out.

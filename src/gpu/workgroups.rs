@@ -1,11 +1,11 @@
 //! How the entries of a dispatch are shared among workgroups, and in which order those take them.
 
-/// Threads a workgroup, as in every pass.
-const WORKGROUP: u32 = 64;
+/// Threads a workgroup, in every pass: shaders are composed with it. Nothing else may depend on it.
+pub const WORKGROUP: u32 = 64;
 
-/// Workgroups of a dispatch in two dimensions, as one holds at most 65,535.
-pub(super) fn workgroups(entries: u32) -> [u32; 2] {
-    let groups = entries.div_ceil(WORKGROUP).max(1);
+/// Workgroups of `threads` for a dispatch, in two dimensions, as one holds at most 65,535.
+pub(super) fn workgroups(entries: u32, threads: u32) -> [u32; 2] {
+    let groups = entries.div_ceil(threads).max(1);
     let rows = groups.div_ceil(65535);
     [groups.div_ceil(rows), rows]
 }
@@ -29,7 +29,7 @@ mod tests {
     #[test]
     fn strides_order_workgroups_without_loss_or_overflow() {
         for entries in [1, 64, 65, 8192, 8191, 1 << 20, 76_800, 4_194_241, 33_177_600, 1 << 27] {
-            let [x, y] = workgroups(entries);
+            let [x, y] = workgroups(entries, WORKGROUP);
             let groups = x * y;
             assert!(groups * WORKGROUP >= entries && x <= 65535 && y <= 65535);
             let stride = group_stride(groups);

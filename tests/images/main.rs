@@ -25,3 +25,4 @@ mod sphere;
 mod threshold;
 mod tiles;
 mod types;
+mod workgroups;

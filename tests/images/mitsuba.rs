@@ -6,8 +6,8 @@
 //! Shards is compared at 4 edges. Its paths from the lamp through glass to a diffuse surface and back through glass to
 //! the camera, 5 edges and more, hold 10 % of the light, and only a camera path that hits the lamp by chance finds
 //! them: in renders of seconds most of them are missing, a few are far too bright, and no number of replicates that
-//! fits a test makes such means normal. At full depth only `pt` is compared, in the long form; what is known of
-//! `mlt` and `emlt` there is in docs/proofs.md.
+//! fits a test makes such means normal. At full depth it is compared in the long form, where `mlt` and `emlt` see 5 % of the
+//! film.
 
 use std::path::Path;
 
@@ -49,7 +49,7 @@ pub fn settings_for(truth: &Truth, method: Method, max_depth: u32, samples_per_p
 fn compare(name: &str, path: &str, max_depth: u32, method: Method, [spp, count]: [u32; 2], power: Power) {
     let truth = reference(name);
     let mut settings = settings_for(&truth, method, max_depth, spp);
-    if ["shards_4_edges", "rough_glass", "ring", "slit"].contains(&name) {
+    if ["shards_4_edges", "shards", "rough_glass", "ring", "slit"].contains(&name) {
         // Rare paths hold per cents of the light there, and b's noise would hide what the test is to see.
         settings.candidates = CANDIDATES;
     }
@@ -201,6 +201,18 @@ fn long_ajar_by_emlt() {
 #[ignore = "takes minutes; ./run test --long"]
 fn long_shards_by_pt() {
     compare("shards", SHARDS, FULL_DEPTH, Pt, [400, 24], Power { film: 0.02, tile: 0.05 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_shards_by_mlt() {
+    compare("shards", SHARDS, FULL_DEPTH, Mlt, [600, 16], Power { film: 0.08, tile: 0.3 });
+}
+
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_shards_by_emlt() {
+    compare("shards", SHARDS, FULL_DEPTH, Emlt, [600, 16], Power { film: 0.08, tile: 0.3 });
 }
 
 // Those of mirrors and slit have been run, and slit sees 10 % of the film; what those of ring are asked to see is a wish, not

@@ -5,7 +5,7 @@ use emlt::methods::{Direct, Method, Outcome, Settings};
 use super::renders::{render, scene, settings};
 
 /// Every bit of the image and of its layers.
-fn bits(outcome: &Outcome) -> Vec<u32> {
+pub fn bits(outcome: &Outcome) -> Vec<u32> {
     let pixels = outcome.image.pixels.iter().flatten();
     let layers = outcome.channels.iter().flat_map(|c| &c.values);
     pixels.chain(layers).map(|v| v.to_bits()).collect()

@@ -2,7 +2,7 @@
 
 use naga::{BinaryOperator as Op, Literal, MathFunction as Math, ScalarKind};
 
-use crate::double::Pointer;
+use crate::memory::Pointer;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scalar {
@@ -152,6 +152,8 @@ pub fn binary(op: Op, a: Scalar, b: Scalar) -> Scalar {
         (Op::Add, I(a), I(b)) => I(a.wrapping_add(b)),
         (Op::Subtract, I(a), I(b)) => I(a.wrapping_sub(b)),
         (Op::Multiply, I(a), I(b)) => I(a.wrapping_mul(b)),
+        (Op::Divide, I(a), I(b)) => I(a.checked_div(b).unwrap_or(a)),
+        (Op::Modulo, I(a), I(b)) => I(a.checked_rem(b).unwrap_or(0)),
         (Op::ShiftLeft, I(a), U(b)) => I(a.wrapping_shl(b)),
         (Op::ShiftRight, I(a), U(b)) => I(a.wrapping_shr(b)),
         (Op::And, I(a), I(b)) => I(a & b),
@@ -260,6 +262,10 @@ pub fn math(fun: Math, arguments: &[Value]) -> Value {
             let word = a.index();
             let part = |shift: u32| F((f64::from((word >> shift) as u16 as i16) / 32767.0).max(-1.0));
             Value::of(&[part(0), part(16)])
+        }
+        Math::Unpack4x8unorm => {
+            let word = a.index();
+            Value::of(&[0, 8, 16, 24].map(|shift: u32| F(f64::from((word >> shift) & 255) / 255.0)))
         }
         Math::Unpack2x16unorm => {
             let word = a.index();

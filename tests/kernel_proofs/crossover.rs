@@ -14,14 +14,14 @@ use crate::bench::{Bench, COLUMNS, FILM, HALF, MAX_EDGES, SEED, context};
 use crate::{GLOSSY, SCENE, SPECULAR_SCENE, WEIGH, Z_LIMIT};
 
 /// Pairs of the first `count` paths with the next `count`.
-fn pair_list(bench: &mut Bench, count: u32, pass_index: u32, shift: u32) -> PairList {
+pub fn pair_list(bench: &mut Bench, count: u32, pass_index: u32, shift: u32) -> PairList {
     let [x, v] = [0, count].map(|first| Pool::build(&bench.keys(first, count), first));
     let random = |path, dimension| rng::random_words(SEED, path, pass_index, dimension);
     PairList::draw([Partners { halves: [&x, &v], first: [0, count], shift }], random, 1..=MAX_EDGES)
 }
 
 /// Evaluates `pairs` and decides on them with further flags.
-fn cross(bench: &mut Bench, pairs: &[Pair], flags: &[&'static str], pass_index: u32) {
+pub fn cross(bench: &mut Bench, pairs: &[Pair], flags: &[&'static str], pass_index: u32) {
     let words: Vec<u32> = pairs.iter().flat_map(|pair| pair.words()).collect();
     bench.run.set_lists(&words);
     let count = pairs.len() as u32;

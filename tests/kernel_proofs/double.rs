@@ -5,23 +5,10 @@
 
 use std::sync::Arc;
 
-use naga::{Block, Expression, Function, Handle, Module, ScalarKind, Statement, Type, TypeInner, UnaryOperator};
+use naga::{Block, Expression, Function, Handle, Module, Statement, TypeInner, UnaryOperator};
 
-use crate::arithmetic::{B, C, F, I, P, S, Scalar, U, V, Value, binary, cast, literal_of, math, zero_of};
-
-/// Where a pointer leads: a place in words of a buffer, or a variable and the way into it.
-#[derive(Debug, Clone)]
-pub enum Pointer {
-    Words { buffer: usize, offset: usize, of: Pointee },
-    Global { variable: usize, way: Vec<u32> },
-    Local { frame: usize, variable: usize, way: Vec<u32> },
-}
-
-#[derive(Debug, Clone, Copy)]
-pub enum Pointee {
-    Type(Handle<Type>),
-    Scalar(ScalarKind),
-}
+use crate::arithmetic::{B, C, F, I, P, S, Scalar, U, V, Value, binary, cast, literal_of, math};
+use crate::memory::{Pointee, Pointer, compose, float_kind, follow, load_words, put, word, zero};
 
 struct Frame {
     arguments: Vec<Value>,
@@ -47,15 +34,6 @@ pub struct Double {
     pub record: [f64; 4],
     /// What each call of `evaluate` in this invocation has returned: log I, log density, log C of either side.
     pub evaluations: Vec<[f64; 4]>,
-}
-
-fn float_kind(kind: ScalarKind, word: u32) -> Scalar {
-    match kind {
-        ScalarKind::Float => F(f64::from(f32::from_bits(word))),
-        ScalarKind::Uint => U(word),
-        ScalarKind::Sint => I(word as i32),
-        other => panic!("{other:?} in a buffer"),
-    }
 }
 
 impl Double {
@@ -89,9 +67,10 @@ impl Double {
             })
             .collect();
         let three = |x: u32| V([U(x), U(0), U(0), U(0)], 3);
-        let groups = V([U(entries.div_ceil(64)), U(1), U(1), U(0)], 3);
-        let main = &module.entry_points[0].function;
-        self.call(&module, main, vec![three(entry / 64), groups, S(U(entry % 64))]);
+        let main = &module.entry_points[0];
+        let [threads, ..] = main.workgroup_size;
+        let groups = V([U(entries.div_ceil(threads)), U(1), U(1), U(0)], 3);
+        self.call(&module, &main.function, vec![three(entry / threads), groups, S(U(entry % threads))]);
     }
 
     fn call(&mut self, module: &Module, function: &Function, arguments: Vec<Value>) -> Option<Value> {
@@ -351,69 +330,5 @@ impl Double {
             Pointer::Local { frame, variable, way } => (&mut self.frames[*frame].locals[*variable], way),
         };
         put(place, way, value);
-    }
-}
-
-/// Beyond the end as robust access has it: something.
-fn word(words: &[u32], offset: usize) -> u32 {
-    words.get(offset).copied().unwrap_or(0)
-}
-
-fn load_words(module: &Module, words: &[u32], offset: usize, ty: Handle<Type>) -> Value {
-    match &module.types[ty].inner {
-        TypeInner::Scalar(scalar) => S(float_kind(scalar.kind, word(words, offset))),
-        TypeInner::Vector { size, scalar } => {
-            let parts: Vec<Scalar> =
-                (0..*size as usize).map(|i| float_kind(scalar.kind, word(words, offset + i))).collect();
-            Value::of(&parts)
-        }
-        TypeInner::Struct { members, .. } => {
-            C(members.iter().map(|m| load_words(module, words, offset + m.offset as usize / 4, m.ty)).collect())
-        }
-        other => panic!("{other:?}"),
-    }
-}
-
-fn follow(value: &Value, way: &[u32]) -> Value {
-    match way {
-        [] => value.clone(),
-        [i, rest @ ..] => match value {
-            C(all) => follow(&all[(*i as usize).min(all.len() - 1)], rest),
-            other => other.member(*i),
-        },
-    }
-}
-
-fn put(place: &mut Value, way: &[u32], value: Value) {
-    match (way, place) {
-        ([], place) => *place = value,
-        ([i, rest @ ..], C(all)) => {
-            let last = all.len() - 1;
-            put(&mut all[(*i as usize).min(last)], rest, value);
-        }
-        ([i], V(all, _)) => all[*i as usize] = value.scalar(),
-        (_, other) => panic!("{other:?} has no members"),
-    }
-}
-
-fn zero(module: &Module, ty: Handle<Type>) -> Value {
-    match &module.types[ty].inner {
-        TypeInner::Scalar(scalar) => S(zero_of(scalar.kind)),
-        TypeInner::Vector { size, scalar } => Value::of(&vec![zero_of(scalar.kind); *size as usize]),
-        TypeInner::Struct { members, .. } => C(members.iter().map(|m| zero(module, m.ty)).collect()),
-        TypeInner::Array { base, size: naga::ArraySize::Constant(n), .. } => {
-            C(vec![zero(module, *base); n.get() as usize])
-        }
-        other => panic!("{other:?}"),
-    }
-}
-
-fn compose(module: &Module, ty: Handle<Type>, components: Vec<Value>) -> Value {
-    match &module.types[ty].inner {
-        TypeInner::Vector { .. } => {
-            let parts: Vec<Scalar> = components.iter().flat_map(|c| c.scalars().to_vec()).collect();
-            Value::of(&parts)
-        }
-        _ => C(components),
     }
 }

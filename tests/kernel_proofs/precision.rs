@@ -3,20 +3,21 @@
 //! The device proposes y and leaves it where the way back would find it; in double precision the kernel then proposes the
 //! same y: camera and light sides trace the way to it again, the structural kernels read it.
 
-use std::path::Path;
 use std::thread;
 
 use emlt::gpu::layout::{PassUniform, chain_rows, row_guide};
 use emlt::gpu::shader::{Variant, compose};
-use emlt::kernels::{Family, Kernel, bidirectional, guided_bidirectional, guided_caustic, guided_lens};
-use emlt::scene::Scene;
-use emlt::scene::import::import;
+use emlt::kernels::{
+    Family, Kernel, bidirectional, crossover, guided_bidirectional, guided_caustic, guided_lens, lens,
+};
+use emlt::scene::{Environment, Scene};
 
 use glam::{Affine3A, Vec3};
 
 use crate::bench::{Bench, COLUMNS, Guides, HALF, MAX_EDGES, PATHS, context};
+use crate::crossover::{cross, pair_list};
 use crate::double::Double;
-use crate::{GLOSSY, PERTURBATIONS, SCENE, SPECULAR_SCENE, WEIGH};
+use crate::{GLOSSY, LAYERED, PERTURBATIONS, SCENE, SPECULAR_SCENE, TEXTURED, WEIGH, scene_of};
 
 /// METHOD.md: the median difference, the one that all but a thousandth keep, and that share.
 const MEDIAN: f64 = 1e-4;
@@ -59,6 +60,8 @@ fn pass_in_double(
         (0, 2) => bytemuck::cast_slice(&bench.data.triangles).to_vec(),
         (0, 3) => bytemuck::cast_slice(&bench.data.shading).to_vec(),
         (0, 4) => bytemuck::cast_slice(&bench.data.tables).to_vec(),
+        (0, 5) => bench.data.corners.clone(),
+        (0, 6) => bench.data.texels.clone(),
         (1, 0) => bytemuck::cast_slice(bytemuck::bytes_of(&uniform)).to_vec(),
         (1, 1) => chains.to_vec(),
         (1, 2) => bench.lists.clone(),
@@ -105,7 +108,9 @@ fn proposals(bench: &mut Bench, kernel: &Kernel, twin: &[&'static str], wanted: 
         let at = 4 * (row * COLUMNS as usize + PATHS as usize);
         chains[at..at + moved.len()].copy_from_slice(&moved);
     }
-    let possible: Vec<u32> = (0..paths.len() as u32).filter(|i| records[*i as usize].possible).collect();
+    // Under a sky some bidirectional proposals have no way back: then y is not left anywhere.
+    let is_possible = |i: &u32| records[*i as usize].possible && records[*i as usize].log_ratio > -1e29;
+    let possible: Vec<u32> = (0..paths.len() as u32).filter(is_possible).collect();
     let every = (possible.len() / wanted).max(1);
     let entries: Vec<u32> = possible.into_iter().step_by(every).collect();
     let flags: Vec<&'static str> = ["probe", "probe_back"].into_iter().chain(twin.iter().copied()).collect();
@@ -161,6 +166,37 @@ fn weights(bench: &mut Bench, wanted: usize) -> Vec<Pair> {
     entries.iter().zip(log_w).map(pair).collect()
 }
 
+/// Crossovers: the log ratio of both gains and the cut, as the device decides by it; the twin leaves out that of v.
+fn exchanges(bench: &mut Bench, one_sided: bool, wanted: usize) -> Vec<Pair> {
+    const PASS: u32 = 1;
+    let pairs = pair_list(bench, HALF, PASS, 7919).pairs;
+    let (chains, keys) = (snapshot(bench), bench.keys(0, HALF));
+    bench.lists = pairs.iter().flat_map(|pair| pair.words()).collect();
+    cross(bench, &pairs, &["probe"], PASS);
+    let count = pairs.len() as u32;
+    let records = bench.lens_records(count);
+    let possible: Vec<u32> = (0..count).filter(|i| records[*i as usize].possible).collect();
+    let entries: Vec<u32> = possible.iter().copied().step_by((possible.len() / wanted).max(1)).collect();
+    let uniform = PassUniform { pass_index: PASS, ..bench.cut_uniform(2 * count as usize) };
+    let double = pass_in_double(bench, &crossover::KERNEL, &[], uniform, &chains);
+    let ratios = each(&double, &entries, |double, entry| {
+        let mut gain = |entry: u32| {
+            double.run(entry, 2 * count);
+            // What is hidden in double precision has none.
+            double.evaluations.get(1).map_or(f64::NAN, |after| after[0] - double.evaluations[0][0])
+        };
+        let gains = [gain(entry), gain(entry + count)];
+        let both = if one_sided { gains[0] } else { gains[0] + gains[1] };
+        both + f64::from(pairs[entry as usize].log_cut)
+    });
+    let pair = |(entry, double): (&u32, f64)| Pair {
+        single: f64::from(records[*entry as usize].log_ratio),
+        double,
+        name: keys[pairs[*entry as usize].paths[0] as usize].string(),
+    };
+    entries.iter().zip(ratios).map(pair).collect()
+}
+
 /// Says how far apart the two are, and lists what differs by much: median, share of large differences.
 fn summary(what: &str, pairs: &mut [Pair]) -> (f64, f64) {
     // What is no number differs most.
@@ -176,17 +212,35 @@ fn summary(what: &str, pairs: &mut [Pair]) -> (f64, f64) {
     (median, large as f64 / n as f64)
 }
 
-/// A scene of tests/scenes, turned so that no wall stands straight. The frame in which a narrow lobe's half-vector is told
+/// A scene turned so that no wall stands straight. The frame in which a narrow lobe's half-vector is told
 /// (`basis_of`) turns over where a normal's z changes its sign, and on a straight wall z is nothing but rounding.
-fn turned(name: &str) -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes").join(name);
-    let mut scene = import(&path).unwrap_or_else(|e| panic!("{e}"));
+fn turned(mut scene: Scene) -> Scene {
     let turn = Affine3A::from_axis_angle(Vec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
     for point in scene.positions.iter_mut().chain(&mut scene.normals) {
         *point = turn.transform_vector3(*point);
     }
+    for tangent in &mut scene.tangents {
+        *tangent = turn.transform_vector3(tangent.truncate()).extend(tangent.w);
+    }
     for camera in &mut scene.cameras {
         camera.world_from_camera = turn * camera.world_from_camera;
+    }
+    scene
+}
+
+/// The room with metal and glass without its ceiling, under an even sky or a map of one.
+fn under_a_sky(map: bool) -> Scene {
+    let mut scene = scene_of(GLOSSY);
+    let top = scene.positions.iter().fold(f32::MIN, |top, p| top.max(p.y));
+    let up = |triangle: &[u32; 3]| triangle.iter().all(|i| scene.positions[*i as usize].y > top - 1e-3);
+    let kept: Vec<usize> = (0..scene.triangles.len()).filter(|i| !up(&scene.triangles[*i])).collect();
+    scene.triangles = kept.iter().map(|i| scene.triangles[*i]).collect();
+    scene.triangle_materials = kept.iter().map(|i| scene.triangle_materials[*i]).collect();
+    if map {
+        let pixels = (0..32).map(|i| [0.2 + 0.1 * (i % 5) as f32, 0.5, 1.0 - 0.02 * i as f32]).collect();
+        scene.set_environment(Environment { width: 8, height: 4, pixels });
+    } else {
+        scene.sky = Some(Vec3::new(0.4, 0.6, 0.9));
     }
     scene
 }
@@ -197,7 +251,8 @@ fn kept(what: &str, pairs: &mut [Pair]) -> bool {
     median < MEDIAN && large < SHARE
 }
 
-fn check(wanted: usize) {
+/// Perturbations, weights and crossovers of a scene, structural kernels of it as it stands; says what does not agree.
+fn check(name: &str, scene: Scene, kernels: &[&Kernel], structural: &[&Kernel], wanted: usize) {
     let context = context();
     let mut broken = Vec::new();
     let mut expect = |what: String, mut pairs: Vec<Pair>| {
@@ -205,33 +260,58 @@ fn check(wanted: usize) {
             broken.push(what);
         }
     };
-    for (scene, kernels) in PERTURBATIONS {
-        let scene_turned = turned(scene);
-        let mut bench = Bench::of(&context, &scene_turned);
-        for kernel in kernels {
-            let [traced, evaluated] = proposals(&mut bench, kernel, &[], wanted);
-            expect(format!("{scene}, {}", kernel.name), traced);
-            if !kernel.guided {
-                expect(format!("{scene}, {}, at the device's own y", kernel.name), evaluated);
-            }
+    if !structural.is_empty() {
+        let mut bench = Bench::of(&context, &scene);
+        bench.publish_guides();
+        for kernel in structural {
+            let [pairs, _] = proposals(&mut bench, kernel, &[], wanted);
+            expect(format!("{name}, {}", kernel.name), pairs);
         }
-        let mut bench = Bench::of(&context, &scene_turned);
-        let pairs = weights(&mut bench, wanted);
-        expect(format!("{scene}, log w"), pairs);
     }
-    let mut bench = Bench::new(&context, SPECULAR_SCENE);
-    bench.publish_guides();
-    for kernel in [&bidirectional::KERNEL, &guided_bidirectional::KERNEL] {
-        let [pairs, _] = proposals(&mut bench, kernel, &[], wanted);
-        expect(format!("{SPECULAR_SCENE}, {}", kernel.name), pairs);
+    let scene = turned(scene);
+    let mut bench = Bench::of(&context, &scene);
+    for kernel in kernels {
+        let [traced, evaluated] = proposals(&mut bench, kernel, &[], wanted);
+        expect(format!("{name}, {}", kernel.name), traced);
+        if !kernel.guided {
+            expect(format!("{name}, {}, at the device's own y", kernel.name), evaluated);
+        }
     }
+    let mut bench = Bench::of(&context, &scene);
+    let pairs = weights(&mut bench, wanted);
+    expect(format!("{name}, log w"), pairs);
+    let pairs = exchanges(&mut bench, false, wanted);
+    expect(format!("{name}, crossover"), pairs);
     assert!(broken.is_empty(), "{broken:?}");
+}
+
+const STRUCTURAL: [&Kernel; 2] = [&bidirectional::KERNEL, &guided_bidirectional::KERNEL];
+
+fn check_all(wanted: usize) {
+    for (name, kernels) in PERTURBATIONS {
+        let structural = if name == SPECULAR_SCENE { &STRUCTURAL[..] } else { &[] };
+        check(name, scene_of(name), kernels, structural, wanted);
+    }
+}
+
+/// Textures, layers, and skies; there every kernel evaluates the same.
+fn check_features(wanted: usize) {
+    let kernels: [&Kernel; 2] = [&lens::KERNEL, &guided_lens::KERNEL];
+    check(TEXTURED, scene_of(TEXTURED), &kernels, &STRUCTURAL[1..], wanted);
+    check(LAYERED, scene_of(LAYERED), &[&lens::KERNEL, &guided_caustic::KERNEL], &STRUCTURAL[1..], wanted);
+    check("an even sky", under_a_sky(false), &kernels, &STRUCTURAL[1..], wanted);
+    check("a map of a sky", under_a_sky(true), &kernels, &STRUCTURAL[1..], wanted);
+}
+
+#[test]
+fn log_ratios_of_further_features_are_those_of_double_precision() {
+    check_features(250);
 }
 
 /// The twin leaves the reverse density out in double precision: the comparison must see it.
 #[test]
 fn log_ratios_are_those_of_double_precision() {
-    check(1000);
+    check_all(1000);
     let context = context();
     for (scene, kernel) in [(SCENE, &guided_lens::KERNEL), (SPECULAR_SCENE, &guided_caustic::KERNEL)] {
         let mut bench = Bench::new(&context, scene);
@@ -239,6 +319,9 @@ fn log_ratios_are_those_of_double_precision() {
         let (median, _) = summary("twin_one_sided", &mut pairs);
         assert!(median > MEDIAN, "the twin of {} passes: {median}", kernel.name);
     }
+    let mut bench = Bench::new(&context, SCENE);
+    let (median, _) = summary("twin, crossover of x alone", &mut exchanges(&mut bench, true, 200));
+    assert!(median > MEDIAN, "the twin of the crossover passes: {median}");
 }
 
 /// The long form: ten times as many. Then the stability cases: where walls stand straight, half-vectors of narrow lobes
@@ -247,7 +330,8 @@ fn log_ratios_are_those_of_double_precision() {
 #[ignore = "takes minutes; ./run test --long"]
 fn long_log_ratios_are_those_of_double_precision() {
     const PROPOSALS: usize = 10_000;
-    check(PROPOSALS);
+    check_all(PROPOSALS);
+    check_features(PROPOSALS);
     let context = context();
     let mut bench = Bench::new(&context, GLOSSY);
     for kernel in PERTURBATIONS[2].1.iter().filter(|kernel| !kernel.guided) {

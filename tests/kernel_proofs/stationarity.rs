@@ -4,10 +4,11 @@
 //! with fixed guides that do not depend on X_0. For every kernel that leaves the target invariant,
 //! E[W (h(X_t) - h(X_0))] = 0 exactly for every h: no reference and no exact samples are needed.
 
-use crate::bench::{Bench, FILM, Guides, HALF, MAX_EDGES};
+use crate::bench::{Bench, FILM, Guides, HALF, MAX_EDGES, SEED};
 use emlt::ensemble::pool::TypeKey;
-use emlt::gpu::layout::ROW_LENS;
+use emlt::gpu::layout::{ROW_KEY, ROW_LENS, ROW_PIXEL};
 use emlt::kernels::{Family, Kernel};
+use emlt::reference::rng;
 
 /// Side of a tile in pixels.
 const TILE: u32 = 4;
@@ -40,84 +41,127 @@ fn band(p: [f32; 2], key: TypeKey) -> usize {
 /// Stretches of either coordinate of the point on a lens.
 const LENS_PARTS: usize = 8;
 
-/// Which part of a lens the first paths' points lie in; all in one where there is no lens.
-fn lens_parts(bench: &mut Bench, count: u32) -> Vec<[usize; 2]> {
+const COLUMNS: u32 = FILM[0] / TILE;
+const ROWS: u32 = FILM[1] / TILE;
+const TILES: usize = (COLUMNS * ROWS) as usize;
+// Bins: tiles by lengths, then rings, bands and the parts of a lens.
+const FIRST_RING: usize = TILES * MAX_EDGES as usize;
+const FIRST_BAND: usize = FIRST_RING + RINGS.len() + 1;
+const FIRST_PART: usize = FIRST_BAND + 3 * ROWS as usize;
+const BINS: usize = FIRST_PART + 2 * LENS_PARTS;
+
+/// The rows of the chains by which a state is told.
+pub const PLACE_ROWS: [usize; 3] = [ROW_KEY, ROW_PIXEL, ROW_LENS];
+
+/// The bins that a state lies in, from those rows.
+pub type Place = [usize; 5];
+
+pub fn place([key, pixel, lens]: [[u32; 4]; 3]) -> Place {
+    let key = TypeKey::from_words([key[0], key[1]]).unwrap();
+    let p = [f32::from_bits(pixel[0]), f32::from_bits(pixel[1])];
+    let [x, y] = [(p[0] as u32).min(FILM[0] - 1) / TILE, (p[1] as u32).min(FILM[1] - 1) / TILE];
+    // Where there is no lens, all in one part.
     let part = |bits: u32| ((bits & 0xffff) as usize * LENS_PARTS) >> 16;
-    bench.rows(ROW_LENS, 0, count).iter().map(|row| [part(row[0]), part(row[0] >> 16)]).collect()
+    [
+        (key.edges() as usize - 1) * TILES + (y * COLUMNS + x) as usize,
+        FIRST_RING + ring(p),
+        FIRST_BAND + band(p, key),
+        FIRST_PART + part(lens[0]),
+        FIRST_PART + LENS_PARTS + part(lens[0] >> 16),
+    ]
 }
 
-/// Largest |z| over tiles x lengths, over rings, over bands and over parts of a lens, from `rounds` times 131,072 candidates.
-pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps: u32, rounds: u32) -> Verdict {
-    let columns = FILM[0] / TILE;
-    let tiles = (columns * (FILM[1] / TILE)) as usize;
-    let rings = tiles * MAX_EDGES as usize;
-    let bands = rings + RINGS.len() + 1;
-    let lens = bands + 3 * (FILM[1] / TILE) as usize;
-    let bins = lens + 2 * LENS_PARTS;
-    let tile = |p: [f32; 2]| {
-        let x = (p[0] as u32).min(FILM[0] - 1) / TILE;
-        let y = (p[1] as u32).min(FILM[1] - 1) / TILE;
-        (y * columns + x) as usize
-    };
-    let mut sum = vec![0.0f64; bins];
-    let mut squares = vec![0.0f64; bins];
-    let mut touched = vec![0usize; bins];
-    let mut chains = 0usize;
-    for seed in 1001..1001 + rounds {
-        let (candidates, strategies) = bench.candidates(1 << 17, seed);
-        let lit: Vec<u32> = (0..candidates.len() as u32).filter(|i| candidates[*i as usize].weight() > 0.0).collect();
-        for (chunk_number, chunk) in lit.chunks(HALF as usize).enumerate() {
-            let count = chunk.len() as u32;
-            bench.fill(seed, &strategies, chunk);
-            let keys = bench.keys(0, count);
-            let before = bench.pixels(count);
-            let lens_before = lens_parts(bench, count);
-            // Pass indices of their own for every chunk: no random number is used twice.
-            let first = seed * 1024 + chunk_number as u32 * 64;
-            chains += if kernel.family == Family::Structural {
-                for pass in first..first + steps {
-                    let (uniform, _) = bench.cut_list(count, pass);
-                    bench.passes(kernel, flags, uniform, pass..pass + 1);
-                }
-                chunk.len()
-            } else {
-                let (uniform, moved) = bench.list(kernel, count, Guides::Other);
-                bench.passes(kernel, flags, uniform, first..first + steps);
-                moved.len()
-            };
-            let after = bench.pixels(count);
-            let lens_after = lens_parts(bench, count);
-            let keys_after = bench.keys(0, count);
-            for (i, &candidate) in chunk.iter().enumerate() {
-                let w = candidates[candidate as usize].weight();
-                let length = |key: TypeKey| (key.edges() as usize - 1) * tiles;
-                let places = [
-                    (length(keys[i]) + tile(before[i]), length(keys_after[i]) + tile(after[i])),
-                    (rings + ring(before[i]), rings + ring(after[i])),
-                    (bands + band(before[i], keys[i]), bands + band(after[i], keys_after[i])),
-                    (lens + lens_before[i][0], lens + lens_after[i][0]),
-                    (lens + LENS_PARTS + lens_before[i][1], lens + LENS_PARTS + lens_after[i][1]),
-                ];
-                for (from, to) in places.into_iter().filter(|(from, to)| from != to) {
-                    for (bin, sign) in [(from, -1.0), (to, 1.0)] {
-                        sum[bin] += sign * w;
-                        squares[bin] += w * w;
-                        touched[bin] += 1;
-                    }
-                }
+/// Sums of W (h(X_t) - h(X_0)) by bin.
+pub struct Paired {
+    sum: Vec<f64>,
+    squares: Vec<f64>,
+    touched: Vec<usize>,
+    pub chains: usize,
+}
+
+impl Paired {
+    pub fn new() -> Self {
+        Self { sum: vec![0.0; BINS], squares: vec![0.0; BINS], touched: vec![0; BINS], chains: 0 }
+    }
+
+    pub fn add(&mut self, before: &Place, after: &Place, w: f64) {
+        for (from, to) in before.iter().zip(after).filter(|(from, to)| from != to) {
+            for (bin, sign) in [(*from, -1.0), (*to, 1.0)] {
+                self.sum[bin] += sign * w;
+                self.squares[bin] += w * w;
+                self.touched[bin] += 1;
             }
         }
     }
-    let mut verdict = Verdict { chains, worst: 0.0, bins: 0, chi2: 0.0 };
-    for bin in 0..bins {
+
+    pub fn verdict(&self) -> Verdict {
+        let mut verdict = Verdict { chains: self.chains, worst: 0.0, bins: 0, chi2: 0.0 };
         // The normal law needs a few hundred terms in a bin.
-        if touched[bin] >= 300 {
-            let z = sum[bin] / squares[bin].sqrt();
+        for bin in (0..BINS).filter(|bin| self.touched[*bin] >= 300) {
+            let z = self.sum[bin] / self.squares[bin].sqrt();
             verdict.worst = verdict.worst.max(z.abs());
             verdict.chi2 += z * z;
             verdict.bins += 1;
         }
+        verdict.chi2 /= verdict.bins.max(1) as f64;
+        verdict
     }
-    verdict.chi2 /= verdict.bins.max(1) as f64;
-    verdict
+}
+
+fn places(bench: &mut Bench, count: u32) -> Vec<Place> {
+    let [keys, pixels, lenses] = PLACE_ROWS.map(|row| bench.rows(row, 0, count));
+    keys.iter().zip(&pixels).zip(&lenses).map(|((key, pixel), lens)| place([*key, *pixel, *lens])).collect()
+}
+
+/// Largest |z| over tiles x lengths, over rings, over bands and over parts of a lens, from `rounds` times 131,072 candidates,
+/// after each of the numbers `steps` of steps of the same chains.
+pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps: &[u32], rounds: u32) -> Vec<Verdict> {
+    worst_z_of(bench, kernel, flags, steps, rounds, 0.0)
+}
+
+/// The same where candidates of a weight below `least` survive with a probability in its proportion, and count for `least`
+/// then: fewer chains see as much.
+pub fn worst_z_of(
+    bench: &mut Bench,
+    kernel: &Kernel,
+    flags: &[&'static str],
+    steps: &[u32],
+    rounds: u32,
+    least: f64,
+) -> Vec<Verdict> {
+    let mut paired: Vec<Paired> = steps.iter().map(|_| Paired::new()).collect();
+    for seed in 1001..1001 + rounds {
+        let (candidates, strategies) = bench.candidates(1 << 17, seed);
+        let survives = |i: &u32| {
+            let chance = rng::uniform(rng::random_words(SEED, *i, seed, 2)[0]);
+            candidates[*i as usize].weight() > chance * least
+        };
+        let lit: Vec<u32> = (0..candidates.len() as u32).filter(survives).collect();
+        for (chunk_number, chunk) in lit.chunks(HALF as usize).enumerate() {
+            let count = chunk.len() as u32;
+            bench.fill(seed, &strategies, chunk);
+            let before = places(bench, count);
+            // Pass indices of their own for every chunk: no random number is used twice.
+            let first = seed * 1024 + chunk_number as u32 * 64;
+            let structural = kernel.family == Family::Structural;
+            let list = (!structural).then(|| bench.list(kernel, count, Guides::Other));
+            let mut made = 0;
+            for (steps, paired) in steps.iter().zip(&mut paired) {
+                let passes = first + made..first + steps;
+                made = *steps;
+                match &list {
+                    Some((uniform, _)) => bench.passes(kernel, flags, *uniform, passes),
+                    None => passes.for_each(|pass| {
+                        let (uniform, _) = bench.cut_list(count, pass);
+                        bench.passes(kernel, flags, uniform, pass..pass + 1);
+                    }),
+                }
+                paired.chains += list.as_ref().map_or(chunk.len(), |(_, moved)| moved.len());
+                for ((before, after), &candidate) in before.iter().zip(&places(bench, count)).zip(chunk) {
+                    paired.add(before, after, candidates[candidate as usize].weight().max(least));
+                }
+            }
+        }
+    }
+    paired.iter().map(Paired::verdict).collect()
 }

@@ -79,7 +79,13 @@ fn unlit_is_radiance_of_both_sides() {
     let scene = textured(&png_bytes(1, &[[255; 4]]), unlit).scene();
     let m = &scene.materials[0];
     assert_eq!((m.base_color, m.emission, m.specular, m.metallic), (Vec3::ZERO, vec3(0.5, 0.25, 1.0), 0.0, 0.0));
-    assert!(m.unlit && m.emits_on_both_sides() && m.is_culled() && m.textures.emissive.is_some() && m.textures.base_color.is_none());
+    assert!(
+        m.unlit
+            && m.emits_on_both_sides()
+            && m.is_culled()
+            && m.textures.emissive.is_some()
+            && m.textures.base_color.is_none()
+    );
     // It is not what lights a scene.
     assert!(warned(&scene, "no light") && scene.sky.is_none() && scene.environment.is_some());
     assert!(!warned(&scene, "nlit mat"), "{:?}", scene.warnings);

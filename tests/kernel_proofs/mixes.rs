@@ -1,0 +1,171 @@
+//! Stationarity (METHOD.md 4.4, S1) of whole mixes, as they are run: half-sweeps of both halves in turn, lists, rests,
+//! guides that evolve. All chains of both halves count, each from a bidirectional candidate with its weight; guides then
+//! depend on the chains they guide, which shows by the inverse of their number, 8,192 a group.
+
+use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, CANDIDATE_PASS, Start};
+use emlt::ensemble::groups::{Groups, MOST_GROUPS};
+use emlt::ensemble::guidance::Guidance;
+use emlt::ensemble::mix::{HALF_SWEEP, Mix};
+use emlt::ensemble::sweep::{Build, Ensemble, list_words};
+use emlt::gpu::context::Context;
+use emlt::gpu::layout::{COUNTER_WORDS, chain_rows};
+use emlt::gpu::run::{Buffer, PASS_SLOTS, Run, Sizes};
+use emlt::gpu::scene::SceneData;
+use emlt::kernels::{Kernel, guided_bidirectional};
+use emlt::methods::{Method, default_mix};
+use emlt::reference::rng;
+use emlt::scene::Features;
+
+use crate::bench::{FILM, HALF, MAX_EDGES, PATHS, SEED, context};
+use crate::stationarity::{PLACE_ROWS, Paired, Place, place};
+use crate::{GLOSSY, SCENE, SPECULAR_SCENE, Z_LIMIT, scene_of};
+
+/// Mutations of every path after which it is looked at: the first, a few, a half-sweep, three and a few.
+const STEPS: [u32; 4] = [1, 4, HALF_SWEEP, 64];
+/// Candidates of a round: not all of the chains can then be filled, and nothing is left over.
+const CANDIDATES: u32 = 360_000;
+
+fn places(run: &mut Run, half: usize) -> Vec<Place> {
+    let range = |row: usize| {
+        let start = 16 * (row as u64 * u64::from(PATHS) + half as u64 * u64::from(HALF));
+        start..start + 16 * u64::from(HALF)
+    };
+    let bytes = run.read_ranges(Buffer::Chains, &PLACE_ROWS.map(range)).unwrap();
+    let rows: &[[u32; 4]] = bytemuck::cast_slice(&bytes);
+    let n = HALF as usize;
+    (0..n).map(|i| place([rows[i], rows[n + i], rows[2 * n + i]])).collect()
+}
+
+/// Chains of one mix, by steps, from as many rounds as make `chains` of them.
+fn move_chains(context: &Context, scene: &str, kernels: &[(&'static Kernel, f64)], chains: usize) -> Vec<Paired> {
+    let scene = scene_of(scene);
+    let camera = scene.camera(None).unwrap();
+    let data = SceneData::new(&scene, camera, FILM[0], FILM[1]).unwrap();
+    let features = Features::of(&scene).seen_by(camera);
+    let mix = Mix::new(kernels, features);
+    let groups = Groups::new(PATHS, MOST_GROUPS);
+    let sizes = Sizes {
+        chains: 16 * chain_rows(MAX_EDGES) as u64 * u64::from(PATHS),
+        lists: 4 * list_words(PATHS, BATCH),
+        output: BATCH_BYTES.max(u64::from(16 * FILM[0] * FILM[1] * groups.count())),
+        counters: (4 * COUNTER_WORDS * (mix.kernels().len() + 1)) as u64,
+    };
+    let mut run = Run::new(context, &data, sizes).unwrap();
+    let mut paired: Vec<Paired> = STEPS.iter().map(|_| Paired::new()).collect();
+    for seed in 6001.. {
+        let start = Start {
+            features,
+            min_edges: 1,
+            max_edges: MAX_EDGES,
+            two_stage: None,
+            candidates: 1 << 15,
+            seed,
+            groups,
+            stride: PATHS,
+            film: FILM,
+        };
+        let bootstrap = start.run(&mut run).unwrap().unwrap();
+        let start = Start { seed: seed + 1_000_000, ..start };
+        let (candidates, by) = start.candidates(&mut run, &bootstrap.strategies, CANDIDATES, CANDIDATE_PASS).unwrap();
+        let mut chosen: Vec<u32> = (0..CANDIDATES).filter(|i| candidates[*i as usize].weight() > 0.0).collect();
+        // Candidates come by strategy; every group is to have its share of all.
+        chosen.sort_by_key(|i| rng::random_words(SEED, *i, seed, 0));
+        let lit = chosen.len();
+        assert!(lit > PATHS as usize / 4 && lit <= PATHS as usize, "{lit} candidates carry light");
+        // The rest are copies that only guide.
+        let chosen: Vec<u32> = chosen.iter().copied().cycle().take(PATHS as usize).collect();
+        start.fill(&mut run, &by, &chosen).unwrap();
+        let weight = |path: usize| if path < lit { candidates[chosen[path] as usize].weight() } else { 0.0 };
+        run.clear(Buffer::Output);
+        let build = Build {
+            features,
+            min_edges: 1,
+            max_edges: MAX_EDGES,
+            maps: false,
+            two_stage: false,
+            guidance: Guidance::default(),
+            seed,
+            groups,
+        };
+        let mut ensemble = Ensemble::new(&mut run, build, mix.clone(), bootstrap).unwrap();
+        let before = [0, 1].map(|half| places(&mut run, half));
+        let mut made = [0; 2];
+        let mut half = 0;
+        while made[1] < STEPS[3] {
+            let structural = !ensemble.perturbs();
+            ensemble.step(&mut run, PASS_SLOTS).unwrap();
+            let whole = ensemble.is_whole();
+            if structural {
+                made[half] += 1;
+            } else if whole {
+                made[half] = made[half].next_multiple_of(HALF_SWEEP);
+            }
+            if let Some(n) = STEPS.iter().position(|steps| *steps == made[half]).filter(|_| structural || whole) {
+                let first = half * HALF as usize;
+                paired[n].chains += (first..first + HALF as usize).filter(|path| *path < lit).count();
+                for (i, (before, after)) in before[half].iter().zip(&places(&mut run, half)).enumerate() {
+                    paired[n].add(before, after, weight(first + i));
+                }
+            }
+            half = if whole { 1 - half } else { half };
+        }
+        if paired[0].chains >= chains {
+            break;
+        }
+    }
+    paired
+}
+
+/// Largest |z| of all bins and steps.
+fn check(context: &Context, scene: &str, name: &str, kernels: &[(&'static Kernel, f64)], chains: usize) -> f64 {
+    let mut worst = 0.0f64;
+    for (steps, paired) in STEPS.iter().zip(move_chains(context, scene, kernels, chains)) {
+        let z = paired.verdict();
+        println!(
+            "{scene}, mix of {name}, {steps} steps of {} chains: worst |z| {:.2} in {} bins, chi2 / dof {:.2}",
+            z.chains, z.worst, z.bins, z.chi2
+        );
+        worst = worst.max(z.worst);
+    }
+    worst
+}
+
+/// The number of places is left out, as in the twin of the kernel alone.
+static WITHOUT_PLACES: Kernel = Kernel { flags: &["segment", "guided", "twin_places"], ..guided_bidirectional::KERNEL };
+
+/// A million chains; a bin's error probability is 1e-6, all together below 3e-3.
+fn check_default(method: Method) {
+    let z = check(&context(), SCENE, method.name(), &default_mix(method), 1_000_000);
+    assert!(z < Z_LIMIT, "{}: |z| = {z}", method.name());
+}
+
+#[test]
+fn the_mix_of_mlt_leaves_the_target_alone() {
+    check_default(Method::Mlt);
+}
+
+#[test]
+fn the_mix_of_emlt_leaves_the_target_alone() {
+    check_default(Method::Emlt);
+}
+
+#[test]
+fn a_mix_with_a_broken_kernel_is_caught() {
+    let mut broken = default_mix(Method::Emlt);
+    broken[1].0 = &WITHOUT_PLACES;
+    let z = check(&context(), SCENE, "a twin", &broken, 100_000);
+    assert!(z > Z_LIMIT, "a mix with a broken kernel passes: |z| = {z}");
+}
+
+/// The long form: ten million.
+#[test]
+#[ignore = "takes an hour on a processor, minutes on a GPU; ./run test --long"]
+fn long_mixes_leave_the_target_alone() {
+    let context = context();
+    for scene in [SCENE, SPECULAR_SCENE, GLOSSY] {
+        for method in [Method::Mlt, Method::Emlt] {
+            let z = check(&context, scene, method.name(), &default_mix(method), 10_000_000);
+            assert!(z < Z_LIMIT, "{scene}, {}: |z| = {z}", method.name());
+        }
+    }
+}
