@@ -40,15 +40,15 @@ fn kernels_through_a_lens_are_exact() {
 }
 
 /// As wide as a fifth of the room, and sharp behind the solids.
-const LENS: Lens = Lens { aperture: 0.4, focus: 2.6 };
+pub const LENS: Lens = Lens { aperture: 0.4, focus: 2.6 };
 
-fn seen_by(change: impl Fn(&mut Camera)) -> Scene {
+pub fn seen_by(change: impl Fn(&mut Camera)) -> Scene {
     let mut scene = scene_of(GLOSSY);
     change(&mut scene.cameras[0]);
     scene
 }
 
-fn check_symmetry(bench: &mut Bench, name: &str, kernels: &[&Kernel]) {
+pub fn check_symmetry(bench: &mut Bench, name: &str, kernels: &[&Kernel]) {
     for kernel in kernels {
         let (share, n) = asymmetric_share(bench, kernel, &[], Guides::Other);
         println!("{name}, {}: {share:.2e} of {n} proposals asymmetric", kernel.name);
@@ -57,7 +57,7 @@ fn check_symmetry(bench: &mut Bench, name: &str, kernels: &[&Kernel]) {
 }
 
 /// Everything that is proven of a camera.
-fn check_all(name: &str, scene: &Scene) {
+pub fn check_all(name: &str, scene: &Scene) {
     let context = context();
     let mut bench = Bench::of(&context, scene);
     check_symmetry(&mut bench, name, PERTURBATIONS[2].1);

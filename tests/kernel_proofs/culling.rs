@@ -5,7 +5,8 @@ use emlt::scene::{Camera, Scene};
 use glam::vec3;
 
 use crate::bench::{Bench, context};
-use crate::{LENS, ROUNDS, check_all, check_factors, check_stationarity_on, check_symmetry, seen_by, structural};
+use crate::cameras::{LENS, check_all, check_symmetry, seen_by};
+use crate::{ROUNDS, check_factors, check_stationarity_on, structural};
 
 fn from_outside(change: impl Fn(&mut Camera)) -> Scene {
     let scene = seen_by(|camera| {
@@ -38,7 +39,7 @@ fn kernels_through_a_culled_wall_are_exact() {
     println!("culled wall, bidirectional: {share:.2e} of {n} proposals asymmetric");
     assert!(share < 1e-3, "bidirectional: {share}");
     check_stationarity_on(&mut bench, "culled wall", &perturbations, &[], &[16], ROUNDS);
-    let twins = [(&bidirectional::KERNEL, "twin_blocked")];
+    let twins = [(&bidirectional::KERNEL, "twin_blocked", ROUNDS)];
     check_stationarity_on(&mut bench, "culled wall", &[&bidirectional::KERNEL], &twins, &[4], ROUNDS);
 }
 

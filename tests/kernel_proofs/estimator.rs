@@ -296,9 +296,9 @@ fn check_stretch(bench: &mut Bench, room: &Room, kernel: &Kernel, added: u32, tw
         }
     }
     bench.publish_guides();
-    let tags: u64 = (1..key.edges()).filter(|i| *i != first as u32).enumerate().fold(0, |tags, (n, i)| {
+    let tags: u128 = (1..key.edges()).filter(|i| *i != first as u32).enumerate().fold(0, |tags, (n, i)| {
         let place = if n as u32 + 1 < first as u32 { n as u32 } else { n as u32 + added };
-        tags | u64::from(key.tag_bits(i)) << (2 * place)
+        tags | u128::from(key.tag_bits(i)) << (2 * place)
     });
     let wanted = TypeKey::new(key.edges() + added - 1, tags);
     for pass in 1..=PASSES {

@@ -41,7 +41,7 @@ fn move_chains(context: &Context, scene: &str, kernels: &[(&'static Kernel, f64)
     let scene = scene_of(scene);
     let camera = scene.camera(None).unwrap();
     let data = SceneData::new(&scene, camera, FILM[0], FILM[1]).unwrap();
-    let features = Features::of(&scene).seen_by(camera);
+    let features = Features::of(&scene).seen_by(&scene, camera);
     let mix = Mix::new(kernels, features);
     let groups = Groups::new(PATHS, MOST_GROUPS);
     let sizes = Sizes {
