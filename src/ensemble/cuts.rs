@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 
 use rayon::prelude::*;
 
+use super::groups::PATHS_A_THREAD;
 use super::pool::{Pool, TypeKey};
 use super::runs::merged;
 use crate::reference::rng;
@@ -151,7 +152,9 @@ impl CutList {
             entries.sort_by_key(|entry| entry.0);
             (entries, resting)
         };
-        let (entries, resting): (Vec<_>, Vec<_>) = groups.par_iter().map(of_group).unzip();
+        let paths = groups.first().map_or(1, |(moving, ..)| moving.order.len().max(1));
+        let at_once = (PATHS_A_THREAD as usize / paths).max(1);
+        let (entries, resting): (Vec<_>, Vec<_>) = groups.par_iter().with_min_len(at_once).map(of_group).unzip();
         let (entries, resting) = (merged(&entries, |(order, key, _)| (*order, *key)), resting.concat());
         let mut list = Self { entries: entries.into_iter().map(|(_, _, entry)| entry).collect(), ..Self::default() };
         list.words.extend(list.entries.iter().flat_map(|entry| entry.words()));

@@ -11,6 +11,7 @@ mod halves;
 mod tallies;
 
 use std::collections::VecDeque;
+use std::time::Instant;
 
 use super::bootstrap::{Bootstrap, Mean};
 pub use super::build::{Build, list_words};
@@ -138,7 +139,10 @@ impl Ensemble {
                 let last = waiting.is_empty();
                 run.submit_timed(&now)?;
                 if last {
+                    let start = Instant::now();
                     self.do_chores(half);
+                    // The device works meanwhile, and for longer.
+                    run.device_time += start.elapsed();
                     self.freeze(run, half)?;
                     self.tally(run)?;
                     let nodes = self.halves[half].iter().flat_map(|group| &group.pool.types);

@@ -1,13 +1,12 @@
-//! The proofs where the camera is no pinhole, and the same for scenes with textures and skies.
+//! The proofs where the camera is no pinhole.
 
 use emlt::kernels::{Kernel, bidirectional, caustic, guided_bidirectional, guided_lens, lens};
 use emlt::scene::{Camera, Lens, Scene};
 
 use crate::bench::{Bench, Guides, context};
-use crate::precision::under_a_sky;
 use crate::{
-    GLOSSY, PERTURBATIONS, ROUNDS, TEXTURED, asymmetric_share, check_factors, check_stationarity_on, independence,
-    scene_of, structural,
+    GLOSSY, PERTURBATIONS, ROUNDS, asymmetric_share, check_factors, check_stationarity_on, independence, scene_of,
+    structural,
 };
 
 /// Everything that is proven of perturbations, by an orthographic camera.
@@ -22,15 +21,6 @@ fn long_kernels_of_an_orthographic_camera_leave_the_target_alone() {
 #[ignore = "takes minutes; ./run test --long"]
 fn long_kernels_through_a_lens_leave_the_target_alone() {
     check_all("lens", &seen_by(|camera| camera.lens = Some(LENS)));
-}
-
-/// Everything that is proven of perturbations, on textures and under skies.
-#[test]
-#[ignore = "takes minutes; ./run test --long"]
-fn long_kernels_on_textures_and_under_skies_leave_the_target_alone() {
-    check_all("textures", &scene_of(TEXTURED));
-    check_all("even sky", &under_a_sky(false));
-    check_all("map of a sky", &under_a_sky(true));
 }
 
 /// Perturbations keep the point on the lens, bidirectional mutations may draw it anew; the twin draws it unevenly and
@@ -66,7 +56,7 @@ pub fn check_symmetry(bench: &mut Bench, name: &str, kernels: &[&Kernel]) {
     }
 }
 
-/// Everything that is proven of a camera, or of light and materials.
+/// Everything that is proven of a camera.
 pub fn check_all(name: &str, scene: &Scene) {
     let context = context();
     let mut bench = Bench::of(&context, scene);

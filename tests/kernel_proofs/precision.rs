@@ -229,7 +229,7 @@ fn turned(mut scene: Scene) -> Scene {
 }
 
 /// The room with metal and glass without its ceiling, under an even sky or a map of one.
-pub fn under_a_sky(map: bool) -> Scene {
+fn under_a_sky(map: bool) -> Scene {
     let mut scene = scene_of(GLOSSY);
     let top = scene.positions.iter().fold(f32::MIN, |top, p| top.max(p.y));
     let up = |triangle: &[u32; 3]| triangle.iter().all(|i| scene.positions[*i as usize].y > top - 1e-3);
