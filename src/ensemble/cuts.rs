@@ -5,7 +5,6 @@ use std::ops::RangeInclusive;
 
 use rayon::prelude::*;
 
-use super::groups::PATHS_A_THREAD;
 use super::pool::{Pool, TypeKey};
 use super::runs::merged;
 use crate::reference::rng;
@@ -40,8 +39,8 @@ impl Cut {
         Self { added: self.deleted, deleted: self.added, ..self }
     }
 
-    /// Draws a cut of a path of the type of `places` from four random words; `None` where it would leave `lengths` or has no place:
-    /// the path rests then, as after any proposal that fails.
+    /// Draws a cut of a path of the type of `places` from four random words; `None` where it would leave `lengths` or has
+    /// no place: the path rests then, as after any proposal that fails.
     ///
     /// The number of deleted vertices is 0 with probability 1/4, 1 with 1/2, then halves (Veach's law); that of the added
     /// ones differs from it by a symmetric law. Places and splits are uniform. The shader has the densities.
@@ -152,9 +151,7 @@ impl CutList {
             entries.sort_by_key(|entry| entry.0);
             (entries, resting)
         };
-        let paths = groups.first().map_or(1, |(moving, ..)| moving.order.len().max(1));
-        let at_once = (PATHS_A_THREAD as usize / paths).max(1);
-        let (entries, resting): (Vec<_>, Vec<_>) = groups.par_iter().with_min_len(at_once).map(of_group).unzip();
+        let (entries, resting): (Vec<_>, Vec<_>) = groups.par_iter().map(of_group).unzip();
         let (entries, resting) = (merged(&entries, |(order, key, _)| (*order, *key)), resting.concat());
         let mut list = Self { entries: entries.into_iter().map(|(_, _, entry)| entry).collect(), ..Self::default() };
         list.words.extend(list.entries.iter().flat_map(|entry| entry.words()));

@@ -10,9 +10,6 @@ use super::pool::Pool;
 /// Groups unless told otherwise, which is also the most there may be: each has a layer of the film.
 pub const MOST_GROUPS: u32 = 8;
 
-/// Paths for whose host work another thread is worth waking.
-pub(super) const PATHS_A_THREAD: u32 = 4096;
-
 /// How the paths of both halves are split.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Groups {
@@ -47,11 +44,6 @@ impl Groups {
     /// Paths of one group in one half.
     pub fn group_paths(self) -> u32 {
         self.half_paths() / self.count
-    }
-
-    /// Groups that a thread should take at once: waking one for less takes longer than the work.
-    pub fn at_once(self) -> usize {
-        (PATHS_A_THREAD / self.group_paths().max(1)).max(1) as usize
     }
 
     /// The first path of a half (0 or 1).

@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn defaults_are_left_out() {
+    fn defaults_that_hold_everywhere_are_left_out() {
         let scene = opened(&["Main"]);
         let orbit = Orbit::new(scene.cameras[0].clone(), scene.sphere);
         let settings = Settings { width: 100, height: 10, ..Settings::default() };

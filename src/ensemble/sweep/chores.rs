@@ -7,7 +7,6 @@ use rayon::prelude::*;
 
 use super::Ensemble;
 use crate::Result;
-use crate::ensemble::groups::PATHS_A_THREAD;
 use crate::ensemble::mixing::{MixingStatistics, Seen};
 use crate::ensemble::runs::merged;
 use crate::gpu::layout::{ROW_PIXEL, ROW_VERTICES};
@@ -38,7 +37,7 @@ impl Ensemble {
                 log_i: f32::from_bits(vertices[i][3]),
                 waited: pixels[i][3],
             };
-            (0..keys.len()).into_par_iter().with_min_len(PATHS_A_THREAD as usize).map(seen).collect()
+            (0..keys.len()).into_par_iter().map(seen).collect()
         })
     }
 
@@ -70,8 +69,7 @@ impl Ensemble {
             entries.sort_by_key(drawn);
             entries
         };
-        let by_group: Vec<_> =
-            (0..groups.count()).into_par_iter().with_min_len(groups.at_once()).map(of_group).collect();
+        let by_group: Vec<_> = (0..groups.count()).into_par_iter().map(of_group).collect();
         merged(&by_group, drawn)
     }
 

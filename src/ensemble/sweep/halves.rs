@@ -75,11 +75,10 @@ impl Ensemble {
             // A pool in which no path has company guides nobody: any median will do.
             median.unwrap_or(0.0)
         };
-        let at_once = self.build.groups.at_once();
         let groups = &mut self.halves[half];
         let each = self.build.groups.group_paths();
         run.look_at(Buffer::Chains, &ranges, |bytes| {
-            groups.par_iter_mut().with_min_len(at_once).enumerate().for_each(|(number, group)| {
+            groups.par_iter_mut().enumerate().for_each(|(number, group)| {
                 group.similarity_median = of_group(bytes, number as u32 * each, &group.pool);
             });
         })
@@ -126,7 +125,7 @@ impl Ensemble {
                 let keys: Option<Vec<TypeKey>> = paths.map(|i| keys.get(i)).collect();
                 Some((Group::new(Pool::build(&keys?, groups.first(half, group))), samples))
             };
-            (0..groups.count()).into_par_iter().with_min_len(groups.at_once()).map(of_group).collect()
+            (0..groups.count()).into_par_iter().map(of_group).collect()
         })?;
         let regrouped = regrouped.ok_or_else(|| {
             Error::runtime(
