@@ -29,6 +29,8 @@ mod room;
 mod stationarity;
 #[path = "kernel_proofs/structural.rs"]
 mod structural;
+#[path = "kernel_proofs/subpath.rs"]
+mod subpath;
 #[path = "kernel_proofs/sums.rs"]
 mod sums;
 #[path = "kernel_proofs/waits.rs"]

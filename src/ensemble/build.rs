@@ -36,7 +36,7 @@ impl Build {
             flags.extend(self.guidance.flags());
         }
         // The other passes keep types, or draw lengths in range.
-        if self.min_edges == INDIRECT_EDGES && pass == "independence" {
+        if self.min_edges == INDIRECT_EDGES && ["independence", "subpath"].contains(&pass) {
             flags.push("indirect");
         }
         Variant { pass, features: self.features, max_edges: self.max_edges, flags }

@@ -15,6 +15,7 @@ mod runs;
 mod seeds;
 pub mod similarity;
 pub mod strategies;
+pub mod subpaths;
 pub mod sweep;
 pub mod two_stage;
 mod type_key;

@@ -19,6 +19,7 @@ use super::cuts::CutList;
 use super::groups::Group;
 use super::mix::Mix;
 use super::mixing::Mixing;
+use super::subpaths::PlanList;
 use super::type_shares::TypeShares;
 use super::work::Work;
 use crate::Result;
@@ -168,7 +169,7 @@ impl Ensemble {
         } else if self.mix.family(kernel) == Family::Pair {
             self.crossover(run, half, kernel)?;
         } else {
-            self.bidirectional(run, half, kernel)?;
+            self.drawn(run, half, kernel)?;
         }
         let samples = self.regroup(run, half, kernel == INDEPENDENCE)?;
         if kernel == INDEPENDENCE {
@@ -201,36 +202,35 @@ impl Ensemble {
         run.submit_timed(&dispatches)
     }
 
-    /// The bidirectional mutations, sorted by what they cut; paths without a cut rest.
-    fn bidirectional(&mut self, run: &mut Run, half: usize, kernel: usize) -> Result<()> {
-        let kernels: Vec<_> = self.mix.kernels().collect();
-        let kernel_of = kernels[kernel];
+    /// Mutations that the host draws a cut or a plan for, sorted by it; paths without one rest.
+    fn drawn(&mut self, run: &mut Run, half: usize, kernel: usize) -> Result<()> {
+        let kernel_of = self.mix.kernels().nth(kernel).expect("structural kernels are of the mix");
         let groups = (0..).zip(&self.halves[half]).zip(&self.halves[1 - half]);
         let groups: Vec<_> =
             groups.map(|((group, x), y)| (&x.pool, &y.pool, self.build.groups.first(1 - half, group))).collect();
-        let list = CutList::draw(
-            &groups,
-            |path, dimension| rng::random_words(self.build.seed, path, self.pass_index, dimension),
-            self.build.min_edges..=self.build.max_edges,
-        );
-        run.set_lists(&list.words);
+        let random = |path, dimension| rng::random_words(self.build.seed, path, self.pass_index, dimension);
+        let (words, moved, resting, resting_offset) = if kernel_of.pass == "subpath" {
+            let PlanList { words, entries, resting, resting_offset } =
+                PlanList::draw(kernel_of, self.build.features, &groups, random);
+            (words, entries.len(), resting, resting_offset)
+        } else {
+            let CutList { words, entries, resting, resting_offset } =
+                CutList::draw(&groups, random, self.build.min_edges..=self.build.max_edges);
+            (words, entries.len(), resting, resting_offset)
+        };
+        run.set_lists(&words);
         let base =
             PassUniform { pass_index: self.pass_index, counters_offset: counters_of(kernel), ..self.build.uniform() };
-        let (moved, resting) = (list.entries.len() as u32, list.resting);
         let dispatches = [
-            (kernel_of.pass, kernel_of.flags, PassUniform { entries: moved, ..base }),
-            (
-                "rest",
-                &[][..],
-                PassUniform { entries: resting, entries_offset: list.resting_offset, weight: 1.0, ..base },
-            ),
+            (kernel_of.pass, kernel_of.flags, PassUniform { entries: moved as u32, ..base }),
+            ("rest", &[][..], PassUniform { entries: resting, entries_offset: resting_offset, weight: 1.0, ..base }),
         ];
         let dispatches: Vec<Dispatch> = dispatches
             .into_iter()
             .filter(|(_, _, uniform)| uniform.entries > 0)
             .map(|(pass, flags, uniform)| Dispatch { variant: self.build.variant(pass, flags), uniform })
             .collect();
-        // A mutation without a cut is one that fails at once.
+        // A mutation without a cut or a plan is one that fails at once.
         self.tallies[kernel].mutations += u64::from(self.build.groups.half_paths());
         self.pass_index += 1;
         run.submit_timed(&dispatches)

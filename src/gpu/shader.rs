@@ -31,7 +31,7 @@ pub struct Variant {
 
 /// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
 /// instead of splats, and deliberately wrong kernels that the tests must catch.
-pub const PASS_FLAGS: [&str; 24] = [
+pub const PASS_FLAGS: [&str; 27] = [
     "guided",
     "multi_chain",
     "walk",
@@ -40,6 +40,8 @@ pub const PASS_FLAGS: [&str; 24] = [
     "jump",
     "normals",
     "segment",
+    "subpath",
+    "light_side",
     "maps",
     "two_stage",
     "indirect",
@@ -48,6 +50,7 @@ pub const PASS_FLAGS: [&str; 24] = [
     "probe_still",
     "probe_density",
     "twin_one_sided",
+    "twin_stop",
     "twin_id",
     "twin_redraw",
     "twin_places",

@@ -10,11 +10,14 @@ pub mod difference;
 pub mod guided_bidirectional;
 pub mod guided_caustic;
 pub mod guided_lens;
+pub mod guided_light_subpath;
 pub mod guided_multi_chain;
 pub mod independence;
 pub mod jump;
 pub mod kept_lens;
 pub mod lens;
+pub mod lens_subpath;
+pub mod light_subpath;
 pub mod multi_chain;
 pub mod walk_lens;
 
@@ -63,7 +66,7 @@ impl Family {
 }
 
 /// Every kernel there is, in the order of their names on the command line.
-pub const ALL: [&Kernel; 14] = [
+pub const ALL: [&Kernel; 17] = [
     &independence::KERNEL,
     &bidirectional::KERNEL,
     &guided_bidirectional::KERNEL,
@@ -78,6 +81,9 @@ pub const ALL: [&Kernel; 14] = [
     &guided_multi_chain::KERNEL,
     &guided_caustic::KERNEL,
     &crossover::KERNEL,
+    &lens_subpath::KERNEL,
+    &light_subpath::KERNEL,
+    &guided_light_subpath::KERNEL,
 ];
 
 /// Where a sweep from the camera ends (twin of `camera_sweep_end` in shaders/transport/path.wesl): index of the first

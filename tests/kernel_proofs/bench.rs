@@ -7,6 +7,7 @@ use emlt::ensemble::cuts::CutList;
 use emlt::ensemble::groups::Groups;
 use emlt::ensemble::guidance::Guidance;
 use emlt::ensemble::pool::{Pool, TypeKey};
+use emlt::ensemble::subpaths::PlanList;
 use emlt::ensemble::sweep::list_words;
 use emlt::gpu::context::Context;
 use emlt::gpu::layout::{COUNTER_WORDS, PassUniform, ROW_KEY, ROW_PIXEL, chain_rows, row_guide};
@@ -153,6 +154,25 @@ impl<'a> Bench<'a> {
         (self.cut_uniform(list.entries.len()), list)
     }
 
+    /// Sets the list of a structural pass over the first `count` paths.
+    pub fn structural_list(&mut self, kernel: &Kernel, count: u32, pass_index: u32) -> PassUniform {
+        if kernel.pass == "subpath" {
+            let entries = self.plan_list(kernel, count, pass_index).entries.len();
+            return self.cut_uniform(entries);
+        }
+        self.cut_list(count, pass_index).0
+    }
+
+    /// Sets the list of a subpath pass over the first `count` paths.
+    pub fn plan_list(&mut self, kernel: &Kernel, count: u32, pass_index: u32) -> PlanList {
+        let moving = self.pool(0, count);
+        let random = |path, dimension| rng::random_words(SEED, path, pass_index, dimension);
+        let list = PlanList::draw(kernel, self.features, &[(&moving, &self.guides, HALF)], random);
+        self.run.set_lists(&list.words);
+        self.lists = list.words.clone();
+        list
+    }
+
     pub fn cut_uniform(&self, entries: usize) -> PassUniform {
         PassUniform {
             seed: SEED,
@@ -160,7 +180,7 @@ impl<'a> Bench<'a> {
             group_paths: COLUMNS,
             origins: PATHS,
             entries: entries as u32,
-            ..Default::default()
+            ..Guidance::default().of_run(PassUniform::default())
         }
     }
 

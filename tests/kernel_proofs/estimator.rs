@@ -22,7 +22,7 @@ use crate::{SPECULAR_SCENE, Z_LIMIT, scene_of};
 /// Seed of the candidates among which x is chosen.
 const CANDIDATES: u32 = 4001;
 /// Passes over HALF copies of x.
-const PASSES: u32 = 3;
+pub const PASSES: u32 = 3;
 /// Bounds of the rings in which steps on the film are told apart, in pixels, and turns, as distances of directions.
 const STEPS: [f64; 6] = [0.5, 1.0, 2.0, 3.5, 5.0, 7.0];
 const TURNS: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.4];
@@ -53,13 +53,13 @@ impl Rings {
 }
 
 /// x as the first chain has it.
-fn held(bench: &mut Bench, room: &Room) -> Held {
+pub fn held(bench: &mut Bench, room: &Room) -> Held {
     let key = bench.keys(0, 1)[0];
     held_paths(bench, room, key, 1).remove(0)
 }
 
 /// The first paths, all of type `key`.
-fn held_paths(bench: &mut Bench, room: &Room, key: TypeKey, count: u32) -> Vec<Held> {
+pub fn held_paths(bench: &mut Bench, room: &Room, key: TypeKey, count: u32) -> Vec<Held> {
     let edges = key.edges() as usize;
     let rows: Vec<_> = (0..edges).map(|i| bench.rows(ROW_VERTICES + 2 * i, 0, count)).collect();
     let pixels = bench.pixels(count);
@@ -76,14 +76,14 @@ fn held_paths(bench: &mut Bench, room: &Room, key: TypeKey, count: u32) -> Vec<H
 }
 
 /// A lit candidate: its number, and the strategies of all.
-struct Chosen {
+pub struct Chosen {
     index: u32,
     strategies: Vec<[u32; 2]>,
 }
 
 impl Chosen {
     /// Number `n` of those that are `wanted`, in an order by chance.
-    fn new(bench: &mut Bench, n: usize, wanted: impl Fn(TypeKey, DVec2) -> bool) -> Self {
+    pub fn new(bench: &mut Bench, n: usize, wanted: impl Fn(TypeKey, DVec2) -> bool) -> Self {
         let (candidates, strategies) = bench.candidates(1 << 17, CANDIDATES);
         let mut chosen: Vec<u32> = (0..candidates.len() as u32)
             .filter(|i| {
@@ -98,7 +98,7 @@ impl Chosen {
     }
 
     /// Fills the first half with copies of it.
-    fn fill(&self, bench: &mut Bench) {
+    pub fn fill(&self, bench: &mut Bench) {
         bench.fill(CANDIDATES, &self.strategies, &vec![self.index; HALF as usize]);
     }
 }

@@ -152,7 +152,7 @@ pub fn worst_z_of(
                 match &list {
                     Some((uniform, _)) => bench.passes(kernel, flags, *uniform, passes),
                     None => passes.for_each(|pass| {
-                        let (uniform, _) = bench.cut_list(count, pass);
+                        let uniform = bench.structural_list(kernel, count, pass);
                         bench.passes(kernel, flags, uniform, pass..pass + 1);
                     }),
                 }
