@@ -2,7 +2,7 @@
 //! vertex, which is connected to what is kept (Veach 1997, section 11.4.4; the second one is our own design). A path
 //! without diffuse vertices is made anew to the light.
 
-use super::{Family, Kernel, never_useless};
+use super::{Family, Kernel, useless_without_mirrors};
 
 /// Applies to (L|D) D S* E and L S* E, or with two diffuse vertices to (L|D) D S* D S* E.
 pub const KERNEL: Kernel = Kernel {
@@ -12,6 +12,6 @@ pub const KERNEL: Kernel = Kernel {
     flags: &["segment", "subpath"],
     family: Family::Structural,
     applies: |_, _| true,
-    useless: never_useless,
+    useless: useless_without_mirrors,
     guided: false,
 };

@@ -1,7 +1,7 @@
 //! Light subpath mutation: a new direction from the light, or from the last diffuse vertex before the one that the camera
 //! sees, through as many specular vertices as there are to a new such one (our own design, after Veach's lens subpaths).
 
-use super::{Family, Kernel, never_useless};
+use super::{Family, Kernel, useless_without_mirrors};
 
 /// Applies to (L|D) S* D E.
 pub const KERNEL: Kernel = Kernel {
@@ -11,6 +11,6 @@ pub const KERNEL: Kernel = Kernel {
     flags: &["segment", "subpath", "light_side"],
     family: Family::Structural,
     applies: |_, _| true,
-    useless: never_useless,
+    useless: useless_without_mirrors,
     guided: false,
 };

@@ -24,7 +24,8 @@ use crate::gpu::pipelines::{Built, Compilation};
 use crate::gpu::run::{Buffer, PASS_SLOTS, Run, Sizes};
 use crate::gpu::scene::GpuScene;
 use crate::kernels::{
-    Kernel, bidirectional, caustic, guided_bidirectional, guided_lens, independence, lens, multi_chain,
+    Kernel, bidirectional, caustic, guided_bidirectional, guided_lens, guided_light_subpath, independence, lens,
+    lens_subpath, multi_chain,
 };
 use crate::report::statistics::Statistics;
 use crate::scene::Features;
@@ -34,13 +35,17 @@ pub fn default_mix(method: Method) -> Vec<(&'static Kernel, f64)> {
     let guided = method == Method::Emlt;
     let mut weights = vec![
         (&independence::KERNEL, 0.05),
-        (if guided { &guided_bidirectional::KERNEL } else { &bidirectional::KERNEL }, 0.15),
+        if guided { (&guided_bidirectional::KERNEL, 0.1) } else { (&bidirectional::KERNEL, 0.15) },
         (&lens::KERNEL, 1.0),
         (&multi_chain::KERNEL, 1.0),
         (&caustic::KERNEL, 1.0),
     ];
     if guided {
-        weights.push((&guided_lens::KERNEL, 1.0));
+        weights.extend([
+            (&guided_lens::KERNEL, 1.0),
+            (&lens_subpath::KERNEL, 0.15),
+            (&guided_light_subpath::KERNEL, 0.1),
+        ]);
     }
     weights
 }
