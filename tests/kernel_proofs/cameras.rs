@@ -39,7 +39,7 @@ fn kernels_through_a_lens_are_exact() {
     check_stationarity_on(&mut bench, "lens", &[&bidirectional::KERNEL], &twins, &FEWER[1..2]);
 }
 
-/// Proposals of a kernel: of a camera's the share that is not symmetric is the same for any few of them.
+/// Proposals of a kernel in the short form, a fourth of those of the long one: they tell a share of 1e-3 as well.
 pub const PROPOSALS: usize = 250_000;
 
 /// As wide as a fifth of the room, and sharp behind the solids.
