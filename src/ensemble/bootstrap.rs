@@ -67,7 +67,7 @@ pub struct Candidate {
     /// log(I / density), -1e30 where I = 0.
     pub log_weight: f32,
     pub pixel: [f32; 2],
-    rays: f32,
+    pub rays: f32,
     /// Of a candidate that carries light.
     key: [u32; 4],
 }

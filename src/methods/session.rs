@@ -208,7 +208,10 @@ mod tests {
         let context = Context::open(None).unwrap();
         for (method, direct, spp) in [(Method::Pt, Direct::Mcmc, 3), (Method::Emlt, Direct::Pt, 20)] {
             let budget = Budget::SamplesPerPixel(spp);
-            let settings = Settings { method, direct, width: 96, height: 72, budget, ..Settings::default() };
+            // Some batches of candidates are as good as many.
+            let candidates = 1 << 17;
+            let settings =
+                Settings { method, direct, width: 96, height: 72, budget, candidates, ..Settings::default() };
             let prepared = Prepared::new(&scene, &settings).unwrap();
             let limits = [None, Some(Duration::from_micros(300))];
             let [whole, cut] = limits.map(|limit| {

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, Bootstrap, CANDIDATES, Candidate, Start};
+use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, Bootstrap, CANDIDATE_PASS, CANDIDATES, Candidate, Start};
 use emlt::ensemble::cuts::CutList;
 use emlt::ensemble::groups::Groups;
 use emlt::ensemble::guidance::Guidance;
 use emlt::ensemble::pool::{Pool, TypeKey};
+use emlt::ensemble::strategies::Strategies;
 use emlt::ensemble::subpaths::PlanList;
 use emlt::ensemble::sweep::list_words;
 use emlt::gpu::context::Context;
@@ -17,6 +18,7 @@ use emlt::gpu::shader::Variant;
 use emlt::kernels::Kernel;
 use emlt::reference::rng;
 use emlt::scene::{Features, Scene, import::import};
+use rayon::prelude::*;
 
 pub const FILM: [u32; 2] = [64, 48];
 pub const MAX_EDGES: u32 = 8;
@@ -79,6 +81,29 @@ impl<'a> Bench<'a> {
         bench
     }
 
+    /// Rows of the chains one after another, for the first `count` paths.
+    pub fn row_bytes(&mut self, rows: &[usize], count: u32) -> Vec<u8> {
+        let ranges: Vec<_> = rows
+            .iter()
+            .map(|row| {
+                let start = 16 * *row as u64 * u64::from(COLUMNS);
+                start..start + 16 * u64::from(count)
+            })
+            .collect();
+        self.run.read_ranges(Buffer::Chains, &ranges).unwrap()
+    }
+
+    /// All of the first `count` paths, to be put back.
+    pub fn kept(&mut self, count: u32) -> Vec<u8> {
+        self.row_bytes(&Vec::from_iter(0..row_guide(MAX_EDGES)), count)
+    }
+
+    pub fn put_back(&mut self, kept: &[u8], count: u32) {
+        for (row, bytes) in kept.chunks_exact(16 * count as usize).enumerate() {
+            self.run.set_chains(16 * row as u64 * u64::from(COLUMNS), bytes);
+        }
+    }
+
     /// A row of the chains, for `count` paths from `first` on.
     pub fn rows(&mut self, row: usize, first: u32, count: u32) -> Vec<[u32; 4]> {
         let start = 16 * (row as u64 * u64::from(COLUMNS) + u64::from(first));
@@ -109,10 +134,9 @@ impl<'a> Bench<'a> {
 
     /// Keeps the first HALF paths where a probing pass finds the way back to them.
     pub fn keep_origins(&mut self) {
-        for row in 0..row_guide(MAX_EDGES) {
-            let rows = self.rows(row, 0, HALF);
-            let offset = 16 * (row as u64 * u64::from(COLUMNS) + u64::from(PATHS));
-            self.run.set_chains(offset, bytemuck::cast_slice(&rows));
+        let kept = self.kept(HALF);
+        for (row, bytes) in kept.chunks_exact(16 * HALF as usize).enumerate() {
+            self.run.set_chains(16 * (row as u64 * u64::from(COLUMNS) + u64::from(PATHS)), bytes);
         }
     }
 
@@ -146,9 +170,17 @@ impl<'a> Bench<'a> {
 
     /// Sets the list of a bidirectional pass over the first `count` paths.
     pub fn cut_list(&mut self, count: u32, pass_index: u32) -> (PassUniform, CutList) {
-        let moving = self.pool(0, count);
+        // In parts, which processors share; the list is that of the whole.
+        let size = count.div_ceil(8).max(1);
+        let keys = self.keys(0, count);
+        let parts: Vec<Pool> = keys
+            .par_chunks(size as usize)
+            .zip(0..count.div_ceil(size))
+            .map(|(keys, i)| Pool::build(keys, i * size))
+            .collect();
+        let groups: Vec<_> = parts.iter().map(|part| (part, &self.guides, HALF)).collect();
         let random = |path, dimension| rng::random_words(SEED, path, pass_index, dimension);
-        let list = CutList::draw(&[(&moving, &self.guides, HALF)], random, 1..=MAX_EDGES);
+        let list = CutList::draw(&groups, random, 1..=MAX_EDGES);
         self.run.set_lists(&list.words);
         self.lists = list.words.clone();
         (self.cut_uniform(list.entries.len()), list)
@@ -228,9 +260,12 @@ impl<'a> Bench<'a> {
     /// Fresh candidates with their strategies: X_0 drawn from the bidirectional density, not resampled.
     pub fn candidates(&mut self, count: u32, seed: u32) -> (Vec<Candidate>, Vec<[u32; 2]>) {
         let strategies = self.bootstrap.strategies.clone();
-        start(self.features, seed)
-            .candidates(&mut self.run, &strategies, count, emlt::ensemble::bootstrap::CANDIDATE_PASS)
-            .unwrap()
+        self.candidates_by(&strategies, count, seed)
+    }
+
+    /// The same by other strategies.
+    pub fn candidates_by(&mut self, strategies: &Strategies, count: u32, seed: u32) -> (Vec<Candidate>, Vec<[u32; 2]>) {
+        start(self.features, seed).candidates(&mut self.run, strategies, count, CANDIDATE_PASS).unwrap()
     }
 
     /// Fills the first half with candidates that `kernel` applies to, over and over.

@@ -5,8 +5,8 @@ use emlt::scene::{Camera, Scene};
 use glam::vec3;
 
 use crate::bench::{Bench, context};
-use crate::cameras::{LENS, check_all, check_symmetry, seen_by};
-use crate::{PERTURBATIONS, ROUNDS, check_factors, check_stationarity_on, structural};
+use crate::cameras::{LENS, PROPOSALS, check_all, check_symmetry, seen_by};
+use crate::{FEWER, PERTURBATIONS, RARE, check_factors, check_stationarity_on, structural};
 
 fn from_outside(change: impl Fn(&mut Camera)) -> Scene {
     let scene = seen_by(|camera| {
@@ -25,15 +25,17 @@ fn kernels_through_a_culled_wall_are_exact() {
     let mut bench = Bench::of(&context, &from_outside(|_| ()));
     assert!(bench.features.culled);
     let (_, perturbations) = PERTURBATIONS[2];
-    check_symmetry(&mut bench, "culled wall", perturbations);
+    check_symmetry(&mut bench, "culled wall", perturbations, PROPOSALS);
     check_factors(&mut Bench::of(&context, &from_outside(|_| ())));
     bench.publish_guides();
     let (share, n) = structural::asymmetric_share(&mut bench, &bidirectional::KERNEL, false, 300_000);
     println!("culled wall, bidirectional: {share:.2e} of {n} proposals asymmetric");
     assert!(share < 1e-3, "bidirectional: {share}");
-    check_stationarity_on(&mut bench, "culled wall", perturbations, &[], &[16], ROUNDS);
-    let twins = [(&bidirectional::KERNEL, "twin_blocked", ROUNDS)];
-    check_stationarity_on(&mut bench, "culled wall", &[&bidirectional::KERNEL], &twins, &[4], ROUNDS);
+    let (at_the_camera, through_lobes) = perturbations.split_at(2);
+    check_stationarity_on(&mut bench, "culled wall", at_the_camera, &[], &FEWER[2..]);
+    check_stationarity_on(&mut bench, "culled wall", through_lobes, &[], &RARE[2..]);
+    let twins = [(&bidirectional::KERNEL, "twin_blocked", 250_000)];
+    check_stationarity_on(&mut bench, "culled wall", &[&bidirectional::KERNEL], &twins, &FEWER[1..2]);
 }
 
 #[test]

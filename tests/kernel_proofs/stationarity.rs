@@ -4,11 +4,16 @@
 //! with fixed guides that do not depend on X_0. For every kernel that leaves the target invariant,
 //! E[W (h(X_t) - h(X_0))] = 0 exactly for every h: no reference and no exact samples are needed.
 
+use std::collections::HashSet;
+
 use crate::bench::{Bench, FILM, Guides, HALF, MAX_EDGES, SEED};
+use emlt::ensemble::bootstrap::Candidate;
 use emlt::ensemble::pool::TypeKey;
+use emlt::ensemble::strategies::Strategies;
 use emlt::gpu::layout::{ROW_KEY, ROW_LENS, ROW_PIXEL};
 use emlt::kernels::{Family, Kernel};
 use emlt::reference::rng;
+use rayon::prelude::*;
 
 /// Side of a tile in pixels.
 const TILE: u32 = 4;
@@ -109,59 +114,143 @@ impl Paired {
 }
 
 fn places(bench: &mut Bench, count: u32) -> Vec<Place> {
-    let [keys, pixels, lenses] = PLACE_ROWS.map(|row| bench.rows(row, 0, count));
-    keys.iter().zip(&pixels).zip(&lenses).map(|((key, pixel), lens)| place([*key, *pixel, *lens])).collect()
+    let bytes = bench.row_bytes(&PLACE_ROWS, count);
+    let rows: &[[u32; 4]] = bytemuck::cast_slice(&bytes);
+    let n = count as usize;
+    (0..n).into_par_iter().map(|i| place([rows[i], rows[n + i], rows[2 * n + i]])).collect()
 }
 
-/// Largest |z| over tiles x lengths, over rings, over bands and over parts of a lens, from `rounds` times 131,072 candidates,
-/// after each of the numbers `steps` of steps of the same chains.
-pub fn worst_z(bench: &mut Bench, kernel: &Kernel, flags: &[&'static str], steps: &[u32], rounds: u32) -> Vec<Verdict> {
-    worst_z_of(bench, kernel, flags, steps, rounds, 0.0)
+/// How many chains are moved, and when they are looked at.
+#[derive(Debug, Clone, Copy)]
+pub struct Plan<'a> {
+    /// Numbers of steps after which the same chains are looked at, in order, and at least how many of them: no more the
+    /// later. All are of types that the kernel applies to.
+    pub looks: &'a [(u32, usize)],
+    /// Candidates of a smaller weight survive with a probability in its proportion, and count for so much then: fewer
+    /// chains see as much.
+    pub least: f64,
 }
 
-/// The same where candidates of a weight below `least` survive with a probability in its proportion, and count for `least`
-/// then: fewer chains see as much.
-pub fn worst_z_of(
-    bench: &mut Bench,
-    kernel: &Kernel,
-    flags: &[&'static str],
-    steps: &[u32],
-    rounds: u32,
-    least: f64,
-) -> Vec<Verdict> {
-    let mut paired: Vec<Paired> = steps.iter().map(|_| Paired::new()).collect();
-    for seed in 1001..1001 + rounds {
-        let (candidates, strategies) = bench.candidates(1 << 17, seed);
+/// A kernel with further flags.
+pub type Moved<'a> = (&'a Kernel, &'a [&'static str]);
+
+/// Seeds of the candidates from which strategies are adapted, and of the first round of those that count.
+const PILOT_SEEDS: [u32; 2] = [901, 902];
+const FIRST_SEED: u32 = 1001;
+/// The most candidates of a round.
+const MOST_CANDIDATES: f64 = (1 << 22) as f64;
+
+/// Where X_0 of kernels that apply to the same types come from. A chain of another type would rest and add nothing, so the
+/// strategies are those that find these types best; whatever they are, W is the weight by what they are.
+struct Source {
+    strategies: Strategies,
+    /// Share of the candidates that carry light and are of those types.
+    share: f64,
+}
+
+impl Source {
+    fn new(bench: &mut Bench, applies: impl Fn(&Candidate) -> bool) -> Self {
+        let even = bench.bootstrap.strategies.clone();
+        let mut source = Self { strategies: even.clone(), share: 0.0 };
+        for seed in PILOT_SEEDS {
+            let (candidates, by) = bench.candidates_by(&source.strategies, 1 << 17, seed);
+            let pilot = candidates.iter().zip(&by).map(|(candidate, by)| {
+                let weight = if applies(candidate) { candidate.weight() } else { 0.0 };
+                (*by, weight, f64::from(candidate.rays))
+            });
+            let found = candidates.iter().filter(|candidate| applies(candidate)).count();
+            assert!(found >= 300, "the kernel applies to {found} candidates");
+            source.share = found as f64 / candidates.len() as f64;
+            source.strategies = source.strategies.adapted(pilot, &even);
+        }
+        source
+    }
+}
+
+/// What becomes of every kernel's chains by the plan, at each look; they all begin with the same ones, so kernels have to
+/// apply to the same types.
+pub fn verdicts(bench: &mut Bench, moved: &[Moved], plan: Plan) -> Vec<Vec<Verdict>> {
+    let Plan { looks, least } = plan;
+    let chains = looks[0].1;
+    let features = bench.features;
+    let structural = moved[0].0.family == Family::Structural;
+    let apply = |key| moved.iter().all(|(kernel, _)| (kernel.applies)(key, features));
+    let applies = |c: &Candidate| c.key().is_some_and(apply);
+    let mut source = Source::new(bench, |c| applies(c) && c.weight() > 0.0);
+    let mut paired: Vec<Vec<Paired>> = moved.iter().map(|_| looks.iter().map(|_| Paired::new()).collect()).collect();
+    let mut done = 0;
+    for seed in FIRST_SEED.. {
+        // One chunk of nearly all the columns there are, as the share is known.
+        let wanted = ((chains - done) as f64).min(0.96 * f64::from(HALF));
+        let count = (wanted / source.share).clamp(1024.0, MOST_CANDIDATES) as u32;
+        let (candidates, by) = bench.candidates_by(&source.strategies, count, seed);
         let survives = |i: &u32| {
             let chance = rng::uniform(rng::random_words(SEED, *i, seed, 2)[0]);
-            candidates[*i as usize].weight() > chance * least
+            let candidate = &candidates[*i as usize];
+            applies(candidate) && candidate.weight() > chance * least
         };
-        let lit: Vec<u32> = (0..candidates.len() as u32).filter(survives).collect();
-        for (chunk_number, chunk) in lit.chunks(HALF as usize).enumerate() {
+        let chosen: Vec<u32> = (0..count).into_par_iter().filter(survives).collect();
+        source.share = chosen.len().max(1) as f64 / f64::from(count);
+        // Candidates come by strategy: those of a round count all or none.
+        for (chunk_number, chunk) in chosen.chunks(HALF as usize).enumerate() {
             let count = chunk.len() as u32;
-            bench.fill(seed, &strategies, chunk);
+            bench.fill(seed, &by, chunk);
             let before = places(bench, count);
+            let kept = (moved.len() > 1).then(|| bench.kept(count));
+            let list = (!structural).then(|| bench.list(moved[0].0, count, Guides::Other).0);
             // Pass indices of their own for every chunk: no random number is used twice.
             let first = seed * 1024 + chunk_number as u32 * 64;
-            let structural = kernel.family == Family::Structural;
-            let list = (!structural).then(|| bench.list(kernel, count, Guides::Other));
-            let mut made = 0;
-            for (steps, paired) in steps.iter().zip(&mut paired) {
-                let passes = first + made..first + steps;
-                made = *steps;
-                match &list {
-                    Some((uniform, _)) => bench.passes(kernel, flags, *uniform, passes),
-                    None => passes.for_each(|pass| {
-                        let uniform = bench.structural_list(kernel, count, pass);
-                        bench.passes(kernel, flags, uniform, pass..pass + 1);
-                    }),
+            for (n, ((kernel, flags), paired)) in moved.iter().zip(&mut paired).enumerate() {
+                if let Some(kept) = kept.as_ref().filter(|_| n > 0) {
+                    bench.put_back(kept, count);
                 }
-                paired.chains += list.as_ref().map_or(chunk.len(), |(_, moved)| moved.len());
-                for ((before, after), &candidate) in before.iter().zip(&places(bench, count)).zip(chunk) {
-                    paired.add(before, after, candidates[candidate as usize].weight().max(least));
+                let mut made = 0;
+                for ((steps, _), paired) in looks.iter().zip(paired).filter(|((_, wanted), _)| done < *wanted) {
+                    let passes = first + made..first + steps;
+                    made = *steps;
+                    match list {
+                        Some(uniform) => bench.passes(kernel, flags, uniform, passes),
+                        None => passes.for_each(|pass| {
+                            let uniform = bench.structural_list(kernel, count, pass);
+                            bench.passes(kernel, flags, uniform, pass..pass + 1);
+                        }),
+                    }
+                    paired.chains += chunk.len();
+                    for ((before, after), &candidate) in before.iter().zip(&places(bench, count)).zip(chunk) {
+                        paired.add(before, after, candidates[candidate as usize].weight().max(least));
+                    }
                 }
             }
         }
+        let tenths = [done, done + chosen.len()].map(|n| 10 * n / chains);
+        if chains > LONG && tenths[0] != tenths[1] {
+            println!("{} and its like: {} of {chains} chains", moved[0].0.name, done + chosen.len());
+        }
+        done += chosen.len();
+        if done >= chains {
+            break;
+        }
     }
-    paired.iter().map(Paired::verdict).collect()
+    paired.iter().map(|looks| looks.iter().map(Paired::verdict).collect()).collect()
+}
+
+/// Whoever waits for more chains than these is told how far they are.
+const LONG: usize = 2_000_000;
+
+/// The kernels in groups that apply to the same types, among those that the first pilot finds.
+pub fn alike<'a>(bench: &mut Bench, kernels: &[&'a Kernel]) -> Vec<Vec<&'a Kernel>> {
+    let features = bench.features;
+    let (candidates, _) = bench.candidates(1 << 17, PILOT_SEEDS[0]);
+    let keys: HashSet<TypeKey> = candidates.iter().filter_map(Candidate::key).collect();
+    let mut groups: Vec<Vec<&Kernel>> = Vec::new();
+    for kernel in kernels {
+        let like = |group: &&mut Vec<&Kernel>| {
+            keys.iter().all(|key| (kernel.applies)(*key, features) == (group[0].applies)(*key, features))
+        };
+        match groups.iter_mut().find(like) {
+            Some(group) => group.push(kernel),
+            None => groups.push(vec![kernel]),
+        }
+    }
+    groups
 }

@@ -12,7 +12,7 @@ use crate::bench::{Bench, FILM, HALF, SEED, context};
 use crate::estimator::{Chosen, PASSES, held, held_paths};
 use crate::room::{DIFFUSE, Held, Point, Room};
 use crate::sums::{Agreement, PROPOSALS, QUADRATURE, Sums};
-use crate::{GLOSSY, LAYERED, ROUNDS, SCENE, SPECULAR_SCENE, Z_LIMIT, check_stationarity, scene_of};
+use crate::{FEWER, GLOSSY, LAYERED, LOOKS, SCENE, SPECULAR_SCENE, Z_LIMIT, check_stationarity, scene_of};
 
 const KERNELS: [&Kernel; 3] = [&lens_subpath::KERNEL, &light_subpath::KERNEL, &guided_light_subpath::KERNEL];
 
@@ -68,11 +68,12 @@ fn log_ratios_of_subpaths_are_antisymmetric() {
 #[test]
 fn subpaths_leave_the_target_alone() {
     let [lens, light, guided] = KERNELS;
-    let twins = [(lens, "twin_one_sided", 2), (light, "twin_one_sided", 2), (guided, "twin_one_sided", 2)];
-    check_stationarity(SCENE, &KERNELS, &twins, &[1, 4], ROUNDS);
-    check_stationarity(SPECULAR_SCENE, &KERNELS, &[], &[1, 4], ROUNDS);
-    check_stationarity(GLOSSY, &KERNELS, &[], &[1, 4], ROUNDS);
-    check_stationarity(LAYERED, &KERNELS, &[(lens, "twin_stop", 8), (light, "twin_stop", 8)], &[1, 4], ROUNDS);
+    let twins = [lens, light, guided].map(|kernel| (kernel, "twin_one_sided", 90_000));
+    check_stationarity(SCENE, &KERNELS, &twins, &LOOKS);
+    check_stationarity(SPECULAR_SCENE, &KERNELS, &[], &FEWER);
+    check_stationarity(GLOSSY, &KERNELS, &[], &FEWER);
+    let twins = [lens, light].map(|kernel| (kernel, "twin_stop", 330_000));
+    check_stationarity(LAYERED, &KERNELS, &twins, &FEWER);
 }
 
 /// Ends of a chain's tags to be told apart: those that x's own type and its neighbours have.

@@ -1,12 +1,14 @@
 //! Every shader that can be asked for composes and validates.
 
+use rayon::prelude::*;
+
 use super::*;
 use crate::ensemble::pool::MAX_EDGES;
 
-/// Every combination of features and every flag set that the renderer or its tests use.
+/// Every combination of features with every flag set that the renderer uses, and some with those that its tests use.
 #[test]
 fn every_shader_of_every_feature_set_validates() {
-    let flag_sets: [(&str, &[&[&str]]); 13] = [
+    let flag_sets: [(&str, &[&[&str]]); 14] = [
         (
             "bidirectional",
             &[
@@ -28,6 +30,28 @@ fn every_shader_of_every_feature_set_validates() {
                 &["segment", "guided", "probe", "probe_back"],
                 &["segment", "probe", "probe_density"],
                 &["segment", "guided", "probe", "probe_density"],
+            ],
+        ),
+        (
+            "subpath",
+            &[
+                &["segment", "subpath"],
+                &["segment", "subpath", "light_side"],
+                &["segment", "subpath", "light_side", "guided"],
+                &["segment", "subpath", "maps"],
+                &["segment", "subpath", "two_stage", "indirect"],
+                &["segment", "subpath", "light_side", "maps", "two_stage"],
+                &["segment", "subpath", "light_side", "guided", "indirect"],
+                &["segment", "subpath", "light_side", "guided", "maps", "two_stage", "indirect"],
+                &["segment", "subpath", "probe"],
+                &["segment", "subpath", "probe", "probe_back"],
+                &["segment", "subpath", "probe", "probe_density"],
+                &["segment", "subpath", "twin_one_sided"],
+                &["segment", "subpath", "twin_stop"],
+                &["segment", "subpath", "light_side", "probe"],
+                &["segment", "subpath", "light_side", "probe", "probe_back"],
+                &["segment", "subpath", "light_side", "guided", "probe", "probe_back"],
+                &["segment", "subpath", "light_side", "guided", "probe", "probe_density"],
             ],
         ),
         ("bootstrap", &[&[], &["indirect"]]),
@@ -221,26 +245,23 @@ fn every_shader_of_every_feature_set_validates() {
         }
         sets.push(features);
     }
-    let check = |features: Features, max_edges: u32| {
+    let mut wanted: Vec<(Features, u32)> = sets.into_iter().map(|features| (features, 12)).collect();
+    // Long type keys touch neither materials nor lights.
+    wanted.extend((0..8).map(|bits| {
+        let (mirror, sky, aperture) = (bits & 1 != 0, bits & 2 != 0, bits & 4 != 0);
+        (Features { mirror, sky, aperture, ..Features::default() }, MAX_EDGES)
+    }));
+    // What tests alone compile is nearly half of all: every seventh set has to do, in which every feature is on and off.
+    let of_tests = |flags: &[&str]| flags.iter().any(|flag| flag.starts_with("probe") || flag.starts_with("twin"));
+    wanted.par_iter().enumerate().for_each(|(i, &(features, max_edges))| {
         for (pass, sets) in flag_sets {
-            for flags in sets {
+            for flags in sets.iter().filter(|flags| i.is_multiple_of(7) || !of_tests(flags)) {
                 let variant = Variant { pass, features, max_edges, flags: flags.to_vec() };
                 let text = compose(&variant).unwrap_or_else(|e| panic!("{variant:?}: {e}"));
                 validate(&text).unwrap_or_else(|e| panic!("{variant:?}: {e}"));
             }
         }
-    };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        for sets in sets.chunks(sets.len().div_ceil(threads)) {
-            scope.spawn(move || sets.iter().for_each(|features| check(*features, 12)));
-        }
     });
-    // Long type keys touch neither materials nor lights.
-    for bits in 0..8 {
-        let (mirror, sky, aperture) = (bits & 1 != 0, bits & 2 != 0, bits & 4 != 0);
-        check(Features { mirror, sky, aperture, ..Features::default() }, MAX_EDGES);
-    }
 }
 
 /// Without a lens its module is not there; the same rule holds for every feature.
