@@ -14,7 +14,7 @@ use emlt::reference::rng;
 const TILE: u32 = 4;
 
 pub struct Verdict {
-    /// How many the kernel applied to.
+    /// How many there were.
     pub chains: usize,
     pub worst: f64,
     pub bins: usize,
@@ -132,7 +132,13 @@ pub fn worst_z_of(
     let mut paired: Vec<Paired> = steps.iter().map(|_| Paired::new()).collect();
     for seed in 1001..1001 + rounds {
         let (candidates, strategies) = bench.candidates(1 << 17, seed);
+        // Paths that the kernel does not move say nothing.
+        let features = bench.features;
         let survives = |i: &u32| {
+            let key = candidates[*i as usize].key();
+            if !key.is_some_and(|key| (kernel.applies)(key, features)) {
+                return false;
+            }
             let chance = rng::uniform(rng::random_words(SEED, *i, seed, 2)[0]);
             candidates[*i as usize].weight() > chance * least
         };
@@ -156,7 +162,7 @@ pub fn worst_z_of(
                         bench.passes(kernel, flags, uniform, pass..pass + 1);
                     }),
                 }
-                paired.chains += list.as_ref().map_or(chunk.len(), |(_, moved)| moved.len());
+                paired.chains += chunk.len();
                 for ((before, after), &candidate) in before.iter().zip(&places(bench, count)).zip(chunk) {
                     paired.add(before, after, candidates[candidate as usize].weight().max(least));
                 }

@@ -23,7 +23,10 @@ use emlt::scene::material::Material;
 use emlt::scene::{Camera, Features, LUMINANCE, Lens, Scene, Texture};
 use glam::{DVec2, DVec3, Vec4, vec3};
 use renders::{render, replicates, settings};
-use room::{layered_room, lit_room, orthographic_room, room, unlit_wall, veiled_room};
+use room::{
+    glazed_room, layered_room, lit_room, orthographic_room, polished_room, room, room_of_points, unlit_wall,
+    veiled_room,
+};
 
 /// What shaders/passes/surface_probe.wesl tells of points of a scene.
 fn probe(scene: &Scene, points: &[[u32; 4]]) -> Vec<[[f32; 4]; 4]> {
@@ -185,6 +188,11 @@ fn long_textured_room_by_emlt() {
 #[test]
 fn b_is_that_of_path_tracing() {
     check_b(&[room(), lit_room(), veiled_room()], 2048);
+}
+
+#[test]
+fn b_through_mirrors_and_glass_is_that_of_path_tracing() {
+    check_b(&[polished_room(), glazed_room(), room_of_points()], 512);
 }
 
 /// Highlights of points in lobes that are narrow, but no deltas: as specular ones they could not be connected.
