@@ -341,7 +341,7 @@ fn perturbations_through_gloss_leave_the_target_alone() {
     let context = context();
     let mut bench = Bench::new(&context, GLOSSY);
     let least = 6.0 * bench.bootstrap.b.mean();
-    let z = &worst_z_of(&mut bench, &lens::KERNEL, &["twin_jacobian"], &[64], 16, least)[0];
+    let z = &worst_z_of(&mut bench, &lens::KERNEL, &["twin_jacobian"], &[64], 24, least)[0];
     println!("twin_jacobian: worst |z| {:.2}, chi2 / dof {:.2}", z.worst, z.chi2);
     assert!(z.worst > Z_LIMIT, "twin_jacobian passes: |z| = {}", z.worst);
 }
