@@ -15,8 +15,14 @@ mod culling;
 mod double;
 #[path = "kernel_proofs/estimator.rs"]
 mod estimator;
+#[path = "kernel_proofs/everything.rs"]
+mod everything;
+#[path = "kernel_proofs/features.rs"]
+mod features;
 #[path = "kernel_proofs/independence.rs"]
 mod independence;
+#[path = "kernel_proofs/invariance.rs"]
+mod invariance;
 #[path = "kernel_proofs/memory.rs"]
 mod memory;
 #[path = "kernel_proofs/mixes.rs"]
@@ -25,6 +31,9 @@ mod mixes;
 mod precision;
 #[path = "kernel_proofs/room.rs"]
 mod room;
+#[path = "textures/room.rs"]
+#[allow(dead_code)]
+mod rooms;
 #[path = "kernel_proofs/stationarity.rs"]
 mod stationarity;
 #[path = "kernel_proofs/structural.rs"]
@@ -44,7 +53,7 @@ use emlt::kernels::{
     guided_multi_chain, jump, kept_lens, lens, multi_chain, walk_lens,
 };
 use emlt::scene::Scene;
-use stationarity::{Moved, Plan, alike, verdicts};
+use invariance::{FEWER, LOOKS, RARE, Z_LIMIT, check_stationarity, check_stationarity_on};
 
 const SCENE: &str = "coloured_box.glb";
 /// All light starts inside glass, and a mirror's shading normals lean: the scene of the kernels that need specular
@@ -88,6 +97,9 @@ const PERTURBATIONS: [(&str, &[&Kernel]); 3] = [
         ],
     ),
 ];
+
+/// Those that may change it, but for the independence kernel and the crossover, which have proofs of their own.
+const STRUCTURAL: [&Kernel; 2] = [&bidirectional::KERNEL, &guided_bidirectional::KERNEL];
 
 /// A pass that proves run as if it were a kernel.
 const WEIGH: Kernel = Kernel {
@@ -140,17 +152,22 @@ fn asymmetric_share(
     (bad as f64 / all as f64, all)
 }
 
+/// Says and checks it of kernels.
+#[track_caller]
+fn check_symmetry(bench: &mut Bench, name: &str, kernels: &[&Kernel], wanted: usize) {
+    for kernel in kernels {
+        let (share, n) = asymmetric_share(bench, kernel, &[], Guides::Other, wanted);
+        println!("{name}, {}: {share:.2e} of {n} proposals asymmetric", kernel.name);
+        assert!(share < 1e-3, "{}: {share}", kernel.name);
+    }
+}
+
 /// METHOD.md 4.1 A1 on a million proposals a kernel.
 #[test]
 fn log_ratios_are_antisymmetric() {
     let context = context();
     for (scene, kernels) in PERTURBATIONS {
-        let mut bench = Bench::new(&context, scene);
-        for kernel in kernels {
-            let (share, n) = asymmetric_share(&mut bench, kernel, &[], Guides::Other, 1_000_000);
-            println!("{scene}, {}: {share:.2e} of {n} proposals asymmetric", kernel.name);
-            assert!(share < 1e-3, "{}: {share}", kernel.name);
-        }
+        check_symmetry(&mut Bench::new(&context, scene), scene, kernels, 1_000_000);
     }
     let mut bench = Bench::new(&context, SCENE);
     // Two twins that this test has to catch: the ID advanced between the look-ups, and guides from the own half,
@@ -161,23 +178,6 @@ fn log_ratios_are_antisymmetric() {
     let (share, _) = asymmetric_share(&mut bench, &guided_lens::KERNEL, &[], Guides::Own, 100_000);
     println!("twin, guides from the own half: {share:.3} asymmetric");
     assert!(share > 0.05, "the twin with guides from the own half passes: {share}");
-}
-
-/// The same through layers, with the kept factors, the independence kernel and stationarity.
-#[test]
-#[ignore = "takes minutes; ./run test --long"]
-fn long_kernels_through_layers_leave_the_target_alone() {
-    let context = context();
-    let mut bench = Bench::new(&context, LAYERED);
-    for kernel in PERTURBATIONS[2].1 {
-        let (share, n) = asymmetric_share(&mut bench, kernel, &[], Guides::Other, 1_000_000);
-        println!("{LAYERED}, {}: {share:.2e} of {n} proposals asymmetric", kernel.name);
-        assert!(share < 1e-3, "{}: {share}", kernel.name);
-    }
-    check_factors(&mut Bench::new(&context, LAYERED));
-    independence::check_ratios(&mut bench);
-    check_stationarity(LAYERED, PERTURBATIONS[2].1, &[], &FEWER[2..]);
-    check_stationarity(LAYERED, &STRUCTURAL, &[], &FEWER[1..2]);
 }
 
 /// A scene of tests/scenes.
@@ -218,17 +218,29 @@ fn a_step_of_zero_is_the_identity() {
     let context = context();
     for (scene, kernels) in PERTURBATIONS {
         let mut bench = Bench::new(&context, scene);
-        // Independent proposals have no zero step.
-        for kernel in kernels.iter().filter(|k| k.name != jump::KERNEL.name) {
+        for kernel in kernels {
             bench.refresh();
-            let (uniform, paths) = bench.list(kernel, HALF, Guides::Other);
-            bench.passes(kernel, &["probe", "probe_still"], uniform, 1..2);
-            let records = bench.lens_records(paths.len() as u32);
-            let bad = records.iter().filter(|r| !r.possible || r.log_ratio.abs() > 1e-3).count();
-            println!("{scene}, {}: {bad} of {} paths not reproduced by a step of zero", kernel.name, records.len());
-            assert!(bad as f64 <= 1e-3 * records.len() as f64, "{}: {bad}", kernel.name);
+            check_still(&mut bench, scene, kernel);
         }
     }
+}
+
+/// Says and checks it of the paths there are, and of those kernels that have a step.
+#[track_caller]
+fn check_still(bench: &mut Bench, name: &str, kernel: &Kernel) {
+    // Independent proposals have no zero step.
+    if kernel.name == jump::KERNEL.name {
+        return;
+    }
+    let (uniform, paths) = bench.list(kernel, HALF, Guides::Other);
+    bench.passes(kernel, &["probe", "probe_still"], uniform, 1..2);
+    let records = bench.lens_records(paths.len() as u32);
+    let cannot = bench.ends_at_a_dirac(kernel);
+    assert!(paths.iter().zip(&records).all(|(path, r)| !(cannot[*path as usize] && r.possible)), "{}", kernel.name);
+    let can: Vec<_> = paths.iter().zip(&records).filter(|(path, _)| !cannot[**path as usize]).collect();
+    let bad = can.iter().filter(|(_, r)| !r.possible || r.log_ratio.abs() > 1e-3).count();
+    println!("{name}, {}: {bad} of {} paths not reproduced by a step of zero", kernel.name, can.len());
+    assert!(!can.is_empty() && bad as f64 <= 1e-3 * can.len() as f64, "{}: {bad}", kernel.name);
 }
 
 /// METHOD.md 4.1 A2: the factors that kernels keep agree with the master f, for start paths and after perturbations,
@@ -246,9 +258,10 @@ fn check_factors(bench: &mut Bench) {
     let entries: Vec<u32> = (0..HALF).flat_map(|path| [path, 0]).collect();
     let all = PassUniform { seed: 77, stride: bench::COLUMNS, entries: HALF, ..Default::default() };
     for steps in [0u32, 8] {
-        for (n, kernel) in
-            [&guided_caustic::KERNEL, &guided_lens::KERNEL, &guided_multi_chain::KERNEL].iter().enumerate()
-        {
+        let guided = [&guided_caustic::KERNEL, &guided_lens::KERNEL, &guided_multi_chain::KERNEL];
+        let features = bench.features;
+        let guided = guided.iter().filter(|kernel| (kernel.useless)(features).is_none());
+        for (n, kernel) in guided.enumerate() {
             let (uniform, _) = bench.list(kernel, HALF, Guides::Other);
             let first = 1 + 100 * n as u32;
             bench.passes(kernel, &[], uniform, first..first + steps);
@@ -268,146 +281,6 @@ fn check_factors(bench: &mut Bench) {
         println!("after {steps} steps of every guided kernel: {bad:?} of {HALF} differ in w, C, colour");
         assert!(bad.iter().all(|b| (*b as f64) < 1e-3 * f64::from(HALF)), "{steps} steps: {bad:?}");
     }
-}
-
-/// Corresponds to an error probability of 1e-6 a bin: with the bins of all kernels and steps together below 3e-2.
-const Z_LIMIT: f64 = 4.9;
-/// Steps after which a kernel's chains are looked at, and how many of them at least: a million as far as that takes
-/// seconds.
-const LOOKS: [(u32, usize); 4] = [(1, 1_000_000), (4, 1_000_000), (16, 1_000_000), (64, 60_000)];
-/// The same through specular vertices, where a mutation takes three times as long.
-const SPECULAR_LOOKS: [(u32, usize); 4] = [(1, 1_000_000), (4, 1_000_000), (16, 250_000), (64, 60_000)];
-/// The same of kernels that have these on another scene.
-const FEWER: [(u32, usize); 3] = [(1, 250_000), (4, 250_000), (16, 250_000)];
-/// The same where one candidate in a hundred is of the kernel's types.
-const RARE: [(u32, usize); 3] = [(1, 50_000), (4, 50_000), (16, 50_000)];
-
-/// A kernel with a twin's flag, and the chains that show it.
-type Broken<'a> = (&'a Kernel, &'static str, usize);
-
-/// METHOD.md 4.4 S1: weighted paired stationarity over image tiles and path lengths, for kernels and for twins that must
-/// be caught.
-fn check_stationarity(scene: &str, kernels: &[&Kernel], twins: &[Broken], looks: &[(u32, usize)]) {
-    let context = context();
-    check_stationarity_on(&mut Bench::new(&context, scene), scene, kernels, twins, looks);
-}
-
-fn check_stationarity_on(
-    bench: &mut Bench,
-    scene: &str,
-    kernels: &[&Kernel],
-    twins: &[Broken],
-    looks: &[(u32, usize)],
-) {
-    bench.publish_guides();
-    for kernels in alike(bench, kernels) {
-        let moved: Vec<Moved> = kernels.iter().map(|kernel| (*kernel, &[][..])).collect();
-        let verdicts = verdicts(bench, &moved, Plan { looks, least: 0.0 });
-        for (kernel, verdicts) in kernels.iter().zip(verdicts) {
-            for ((steps, _), z) in looks.iter().zip(verdicts) {
-                println!(
-                    "{scene}, {}, {steps} steps of {} chains: worst |z| {:.2} in {} bins, chi2 / dof {:.2}",
-                    kernel.name, z.chains, z.worst, z.bins, z.chi2
-                );
-                assert!(z.worst < Z_LIMIT, "{} after {steps} steps: |z| = {}", kernel.name, z.worst);
-            }
-        }
-    }
-    for &(kernel, twin, chains) in twins {
-        check_twin(bench, scene, (kernel, &[twin]), Plan { looks: &[(16, chains)], least: 0.0 });
-    }
-}
-
-/// A twin that must be caught.
-fn check_twin(bench: &mut Bench, scene: &str, twin: Moved, plan: Plan) {
-    let z = &verdicts(bench, &[twin], plan)[0][0];
-    let name = format!("{scene}, {} with {:?}", twin.0.name, twin.1);
-    println!("{name}: worst |z| {:.2} of {} chains, chi2 / dof {:.2}", z.worst, z.chains, z.chi2);
-    assert!(z.worst > Z_LIMIT, "{name} passes: |z| = {}", z.worst);
-}
-
-#[test]
-fn steps_on_the_film_leave_the_target_alone() {
-    let twins = [
-        (&guided_lens::KERNEL, "twin_one_sided", 90_000),
-        (&guided_lens::KERNEL, "twin_redraw", 90_000),
-        (&jump::KERNEL, "twin_one_sided", 90_000),
-    ];
-    check_stationarity(SCENE, PERTURBATIONS[0].1, &twins, &LOOKS);
-}
-
-#[test]
-fn kernels_through_specular_vertices_leave_the_target_alone() {
-    let twins =
-        [(&guided_multi_chain::KERNEL, "twin_one_sided", 45_000), (&guided_caustic::KERNEL, "twin_one_sided", 45_000)];
-    let (kernels, specular) = PERTURBATIONS[1].1.split_at(1);
-    check_stationarity(SPECULAR_SCENE, kernels, &[], &FEWER);
-    check_stationarity(SPECULAR_SCENE, specular, &twins, &SPECULAR_LOOKS);
-}
-
-/// The same where perturbations pass narrow lobes by their half-vectors.
-#[test]
-fn perturbations_through_gloss_leave_the_target_alone() {
-    let context = context();
-    let mut bench = Bench::new(&context, GLOSSY);
-    let (at_the_camera, through_lobes) = PERTURBATIONS[2].1.split_at(2);
-    check_stationarity_on(&mut bench, GLOSSY, at_the_camera, &[], &FEWER);
-    check_stationarity_on(&mut bench, GLOSSY, through_lobes, &[], &RARE);
-    // The Jacobian varies slowly along a step: it takes many.
-    let least = 6.0 * bench.bootstrap.b.mean();
-    check_twin(&mut bench, GLOSSY, (&lens::KERNEL, &["twin_jacobian"]), Plan { looks: &[(64, 230_000)], least });
-}
-
-#[test]
-fn structural_kernels_leave_the_target_alone() {
-    let twins =
-        [(&bidirectional::KERNEL, "twin_places", 90_000), (&guided_bidirectional::KERNEL, "twin_places", 90_000)];
-    check_stationarity(SCENE, &STRUCTURAL, &twins, &LOOKS);
-    check_stationarity(SPECULAR_SCENE, &STRUCTURAL, &[], &FEWER);
-}
-
-const STRUCTURAL: [&Kernel; 2] = [&bidirectional::KERNEL, &guided_bidirectional::KERNEL];
-
-/// The long form: four million chains of every kernel on every scene, ten million where the device is a GPU.
-fn check_long(scene: &str, kernels: &[&Kernel]) {
-    let chains = if context().software { 4_000_000 } else { 10_000_000 };
-    check_stationarity(scene, kernels, &[], &[1, 4, 16, 64].map(|steps| (steps, chains)));
-}
-
-#[test]
-#[ignore = "takes an hour on a processor, minutes on a GPU; ./run test --long"]
-fn long_kernels_leave_the_target_alone_on_the_film() {
-    check_long(SCENE, PERTURBATIONS[0].1);
-}
-
-#[test]
-#[ignore = "takes an hour on a processor, minutes on a GPU; ./run test --long"]
-fn long_kernels_leave_the_target_alone_through_glass() {
-    check_long(SPECULAR_SCENE, PERTURBATIONS[1].1);
-}
-
-#[test]
-#[ignore = "takes an hour on a processor, minutes on a GPU; ./run test --long"]
-fn long_kernels_leave_the_target_alone_through_gloss() {
-    check_long(GLOSSY, PERTURBATIONS[2].1);
-}
-
-#[test]
-#[ignore = "takes an hour on a processor, minutes on a GPU; ./run test --long"]
-fn long_kernels_leave_the_target_alone_across_types() {
-    check_long(SCENE, &STRUCTURAL);
-}
-
-#[test]
-#[ignore = "takes an hour on a processor, minutes on a GPU; ./run test --long"]
-fn long_kernels_leave_the_target_alone_across_types_in_glass() {
-    check_long(SPECULAR_SCENE, &STRUCTURAL);
-}
-
-#[test]
-#[ignore = "takes an hour on a processor, minutes on a GPU; ./run test --long"]
-fn long_kernels_leave_the_target_alone_across_types_in_gloss() {
-    check_long(GLOSSY, &STRUCTURAL);
 }
 
 /// A variant that no one uses would hide a misspelt flag.

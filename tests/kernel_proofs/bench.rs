@@ -1,6 +1,7 @@
 //! A device with a scene, start paths in both halves, and single kernels run over one half.
 
 use std::path::Path;
+use std::rc::Rc;
 
 use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, Bootstrap, CANDIDATE_PASS, CANDIDATES, Candidate, Start};
 use emlt::ensemble::cuts::CutList;
@@ -11,11 +12,13 @@ use emlt::ensemble::strategies::Strategies;
 use emlt::ensemble::subpaths::PlanList;
 use emlt::ensemble::sweep::list_words;
 use emlt::gpu::context::Context;
-use emlt::gpu::layout::{COUNTER_WORDS, PassUniform, ROW_KEY, ROW_PIXEL, chain_rows, row_guide};
+use emlt::gpu::layout::{
+    COUNTER_WORDS, NO_TRIANGLE, PUNCTUAL, PassUniform, ROW_KEY, ROW_PIXEL, ROW_VERTICES, chain_rows, row_guide,
+};
 use emlt::gpu::run::{Buffer, Dispatch, Run, Sizes};
 use emlt::gpu::scene::SceneData;
 use emlt::gpu::shader::Variant;
-use emlt::kernels::Kernel;
+use emlt::kernels::{self, Family, Kernel, camera_sweep_end};
 use emlt::reference::rng;
 use emlt::scene::{Features, Scene, import::import};
 use rayon::prelude::*;
@@ -43,6 +46,9 @@ pub struct Record {
     pub possible: bool,
 }
 
+/// Candidates with their strategies.
+type Starts = (Vec<Candidate>, Vec<[u32; 2]>);
+
 pub struct Bench<'a> {
     pub run: Run<'a>,
     pub data: SceneData,
@@ -51,6 +57,7 @@ pub struct Bench<'a> {
     pub features: Features,
     pub bootstrap: Bootstrap,
     pub guides: Pool,
+    starts: Option<Rc<Starts>>,
 }
 
 pub fn context() -> Context {
@@ -76,7 +83,7 @@ impl<'a> Bench<'a> {
         };
         let mut run = Run::new(context, &data, sizes).unwrap();
         let bootstrap = start(features, 1).run(&mut run).unwrap().unwrap();
-        let mut bench = Self { run, data, lists: vec![], features, bootstrap, guides: Pool::default() };
+        let mut bench = Self { run, data, lists: vec![], features, bootstrap, guides: Pool::default(), starts: None };
         bench.guides = bench.pool(HALF, HALF);
         bench
     }
@@ -117,6 +124,16 @@ impl<'a> Bench<'a> {
 
     pub fn keys(&mut self, first: u32, count: u32) -> Vec<TypeKey> {
         self.rows(ROW_KEY, first, count).iter().map(|r| TypeKey::from_words([r[0], r[1]]).unwrap()).collect()
+    }
+
+    /// Which of the first half's paths `kernel` would have to end at a point, a spot or a direction, which nothing hits.
+    pub fn ends_at_a_dirac(&mut self, kernel: &Kernel) -> Vec<bool> {
+        let is_dirac = |[code, u, ..]: &[u32; 4]| {
+            (PUNCTUAL..NO_TRIANGLE).contains(code) || (*code == NO_TRIANGLE && f32::from_bits(*u) > 0.0)
+        };
+        let ends = |key: &TypeKey| kernel.family == Family::CameraSide && camera_sweep_end(*key) == 0;
+        let lights = self.rows(ROW_VERTICES, 0, HALF);
+        self.keys(0, HALF).iter().zip(&lights).map(|(key, light)| ends(key) && is_dirac(light)).collect()
     }
 
     fn pool(&mut self, first: u32, count: u32) -> Pool {
@@ -258,7 +275,7 @@ impl<'a> Bench<'a> {
     }
 
     /// Fresh candidates with their strategies: X_0 drawn from the bidirectional density, not resampled.
-    pub fn candidates(&mut self, count: u32, seed: u32) -> (Vec<Candidate>, Vec<[u32; 2]>) {
+    pub fn candidates(&mut self, count: u32, seed: u32) -> Starts {
         let strategies = self.bootstrap.strategies.clone();
         self.candidates_by(&strategies, count, seed)
     }
@@ -270,20 +287,51 @@ impl<'a> Bench<'a> {
 
     /// Fills the first half with candidates that `kernel` applies to, over and over.
     pub fn fill_with(&mut self, kernel: &Kernel) {
-        const SEED: u32 = 3001;
-        let features = self.features;
-        let (candidates, strategies) = self.candidates(1 << 17, SEED);
-        let applies = |c: &Candidate| c.weight() > 0.0 && c.key().is_some_and(|key| (kernel.applies)(key, features));
-        let chosen: Vec<u32> = (0..candidates.len() as u32).filter(|i| applies(&candidates[*i as usize])).collect();
-        assert!(chosen.len() >= 300, "{} applies to {} candidates", kernel.name, chosen.len());
+        let starts = self.starts();
+        let (candidates, strategies) = &*starts;
+        let chosen = moved_by(kernel, candidates, self.features);
+        assert!(chosen.len() >= STARTS, "{} applies to {} candidates", kernel.name, chosen.len());
         let chosen: Vec<u32> = chosen.iter().copied().cycle().take(HALF as usize).collect();
-        self.fill(SEED, &strategies, &chosen);
+        self.fill(STARTS_SEED, strategies, &chosen);
+    }
+
+    /// The kernels that move paths of this scene: those that the renderer would not leave out, and that apply to enough
+    /// candidates.
+    pub fn usable(&mut self) -> Vec<&'static Kernel> {
+        let features = self.features;
+        let starts = self.starts();
+        let is_usable = |kernel: &&Kernel| {
+            (kernel.useless)(features).is_none() && moved_by(kernel, &starts.0, features).len() >= STARTS
+        };
+        kernels::ALL.into_iter().filter(is_usable).collect()
+    }
+
+    /// Makes the candidates that paths of single kernels are made from, so many.
+    pub fn make_starts(&mut self, count: u32) {
+        self.starts = Some(Rc::new(self.candidates(count, STARTS_SEED)));
+    }
+
+    fn starts(&mut self) -> Rc<Starts> {
+        if self.starts.is_none() {
+            self.make_starts(1 << 17);
+        }
+        self.starts.clone().unwrap()
     }
 
     /// Puts candidates of `seed` into the first chains.
     pub fn fill(&mut self, seed: u32, strategies: &[[u32; 2]], chosen: &[u32]) {
         start(self.features, seed).fill(&mut self.run, strategies, chosen).unwrap();
     }
+}
+
+/// The fewest candidates that paths of a kernel are made from, and their seed.
+const STARTS: usize = 300;
+const STARTS_SEED: u32 = 3001;
+
+/// Candidates that carry light and that `kernel` applies to.
+fn moved_by(kernel: &Kernel, candidates: &[Candidate], features: Features) -> Vec<u32> {
+    let applies = |c: &Candidate| c.weight() > 0.0 && c.key().is_some_and(|key| (kernel.applies)(key, features));
+    (0..candidates.len() as u32).filter(|i| applies(&candidates[*i as usize])).collect()
 }
 
 fn start(features: Features, seed: u32) -> Start {

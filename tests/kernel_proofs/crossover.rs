@@ -126,6 +126,17 @@ fn all_rows(bench: &mut Bench) -> Vec<Vec<u32>> {
     words
 }
 
+/// All of this for a scene, from as many exchanges and rounds of candidates.
+#[track_caller]
+pub fn check_all(bench: &mut Bench, name: &str, exchanges: usize, rounds: u32) {
+    check_ratios(bench, name, exchanges);
+    check_factors(bench, name);
+    if rounds > 0 {
+        let z = check_stationarity(bench, name, &[], Cut::Correct, rounds);
+        assert!(z < Z_LIMIT, "{name}: |z| = {z}");
+    }
+}
+
 /// METHOD.md 4.1 A1.
 #[track_caller]
 fn check_ratios(bench: &mut Bench, scene: &str, exchanges: usize) {
@@ -168,8 +179,7 @@ fn crossovers_cancel_and_store_what_they_say() {
     let context = context();
     for scene in [SPECULAR_SCENE, GLOSSY] {
         let mut bench = Bench::new(&context, scene);
-        check_ratios(&mut bench, scene, if scene == GLOSSY { 100_000 } else { 20_000 });
-        check_factors(&mut bench, scene);
+        check_all(&mut bench, scene, if scene == GLOSSY { 100_000 } else { 20_000 }, 0);
         if scene == GLOSSY {
             let (share, n) = asymmetric_share(&mut bench, Cut::OneSided, 10_000);
             println!("twin, cuts counted one way alone: {share:.2e} of {n} asymmetric");
@@ -292,9 +302,6 @@ fn check_stationarity(bench: &mut Bench, scene: &str, flags: &[&'static str], cu
 fn long_crossovers_cancel_and_leave_the_target_of_pairs_alone() {
     let context = context();
     for scene in [SCENE, SPECULAR_SCENE, GLOSSY] {
-        let mut bench = Bench::new(&context, scene);
-        check_ratios(&mut bench, scene, 1_000_000);
-        let z = check_stationarity(&mut bench, scene, &[], Cut::Correct, 64);
-        assert!(z < Z_LIMIT, "{scene}: |z| = {z}");
+        check_all(&mut Bench::new(&context, scene), scene, 1_000_000, 64);
     }
 }

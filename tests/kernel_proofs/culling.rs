@@ -5,8 +5,9 @@ use emlt::scene::{Camera, Scene};
 use glam::vec3;
 
 use crate::bench::{Bench, context};
-use crate::cameras::{LENS, PROPOSALS, check_all, check_symmetry, seen_by};
-use crate::{FEWER, PERTURBATIONS, RARE, check_factors, check_stationarity_on, structural};
+use crate::cameras::{LENS, PROPOSALS, seen_by};
+use crate::everything::{ALL, prove};
+use crate::{FEWER, PERTURBATIONS, RARE, check_factors, check_stationarity_on, check_symmetry, structural};
 
 fn from_outside(change: impl Fn(&mut Camera)) -> Scene {
     let scene = seen_by(|camera| {
@@ -27,10 +28,7 @@ fn kernels_through_a_culled_wall_are_exact() {
     let (_, perturbations) = PERTURBATIONS[2];
     check_symmetry(&mut bench, "culled wall", perturbations, PROPOSALS);
     check_factors(&mut Bench::of(&context, &from_outside(|_| ())));
-    bench.publish_guides();
-    let (share, n) = structural::asymmetric_share(&mut bench, &bidirectional::KERNEL, false, 300_000);
-    println!("culled wall, bidirectional: {share:.2e} of {n} proposals asymmetric");
-    assert!(share < 1e-3, "bidirectional: {share}");
+    structural::check_symmetry(&mut bench, "culled wall", &[&bidirectional::KERNEL], 300_000);
     let (at_the_camera, through_lobes) = perturbations.split_at(2);
     check_stationarity_on(&mut bench, "culled wall", at_the_camera, &[], &FEWER[2..]);
     check_stationarity_on(&mut bench, "culled wall", through_lobes, &[], &RARE[2..]);
@@ -41,7 +39,8 @@ fn kernels_through_a_culled_wall_are_exact() {
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
 fn long_kernels_through_a_culled_wall_leave_the_target_alone() {
-    check_all("culled wall", &from_outside(|_| ()));
-    check_all("culled wall, lens", &from_outside(|camera| camera.lens = Some(LENS)));
-    check_all("culled wall, orthographic", &from_outside(|camera| camera.orthographic_height = Some(1.6)));
+    prove("culled wall", &from_outside(|_| ()), &ALL);
+    prove("culled wall, lens", &from_outside(|camera| camera.lens = Some(LENS)), &ALL);
+    let orthographic = from_outside(|camera| camera.orthographic_height = Some(1.6));
+    prove("culled wall, orthographic", &orthographic, &ALL);
 }

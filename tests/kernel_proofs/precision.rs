@@ -7,9 +7,7 @@ use std::thread;
 
 use emlt::gpu::layout::{PassUniform, chain_rows, row_guide};
 use emlt::gpu::shader::{Variant, compose};
-use emlt::kernels::{
-    Family, Kernel, bidirectional, crossover, guided_bidirectional, guided_caustic, guided_lens, lens,
-};
+use emlt::kernels::{Family, Kernel, crossover, guided_caustic, guided_lens, guided_multi_chain, lens};
 use emlt::scene::{Environment, Scene};
 
 use glam::{Affine3A, Vec3};
@@ -17,7 +15,7 @@ use glam::{Affine3A, Vec3};
 use crate::bench::{Bench, COLUMNS, Guides, HALF, MAX_EDGES, PATHS, context};
 use crate::crossover::{cross, pair_list};
 use crate::double::Double;
-use crate::{GLOSSY, LAYERED, PERTURBATIONS, SCENE, SPECULAR_SCENE, TEXTURED, WEIGH, scene_of};
+use crate::{GLOSSY, LAYERED, PERTURBATIONS, SCENE, SPECULAR_SCENE, STRUCTURAL, TEXTURED, WEIGH, rooms, scene_of};
 
 /// METHOD.md: the median difference, the one that all but a thousandth keep, and that share.
 const MEDIAN: f64 = 1e-4;
@@ -229,7 +227,7 @@ fn turned(mut scene: Scene) -> Scene {
 }
 
 /// The room with metal and glass without its ceiling, under an even sky or a map of one.
-fn under_a_sky(map: bool) -> Scene {
+pub fn under_a_sky(map: bool) -> Scene {
     let mut scene = scene_of(GLOSSY);
     let top = scene.positions.iter().fold(f32::MIN, |top, p| top.max(p.y));
     let up = |triangle: &[u32; 3]| triangle.iter().all(|i| scene.positions[*i as usize].y > top - 1e-3);
@@ -285,8 +283,6 @@ fn check(name: &str, scene: Scene, kernels: &[&Kernel], structural: &[&Kernel], 
     assert!(broken.is_empty(), "{broken:?}");
 }
 
-const STRUCTURAL: [&Kernel; 2] = [&bidirectional::KERNEL, &guided_bidirectional::KERNEL];
-
 fn check_all(wanted: usize) {
     for (name, kernels) in PERTURBATIONS {
         let structural = if name == SPECULAR_SCENE { &STRUCTURAL[..] } else { &[] };
@@ -294,13 +290,15 @@ fn check_all(wanted: usize) {
     }
 }
 
-/// Textures, layers, and skies; there every kernel evaluates the same.
+/// Textures, layers, skies, and lights of every kind through glass; there every kernel evaluates the same.
 fn check_features(wanted: usize) {
     let kernels: [&Kernel; 2] = [&lens::KERNEL, &guided_lens::KERNEL];
     check(TEXTURED, scene_of(TEXTURED), &kernels, &STRUCTURAL[1..], wanted);
     check(LAYERED, scene_of(LAYERED), &[&lens::KERNEL, &guided_caustic::KERNEL], &STRUCTURAL[1..], wanted);
     check("an even sky", under_a_sky(false), &kernels, &STRUCTURAL[1..], wanted);
     check("a map of a sky", under_a_sky(true), &kernels, &STRUCTURAL[1..], wanted);
+    let glazed = [&lens::KERNEL, &guided_caustic::KERNEL, &guided_multi_chain::KERNEL];
+    check("glazed room", rooms::glazed_room(), &glazed, &STRUCTURAL[1..], wanted);
 }
 
 #[test]

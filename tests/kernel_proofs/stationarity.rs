@@ -19,7 +19,7 @@ use rayon::prelude::*;
 const TILE: u32 = 4;
 
 pub struct Verdict {
-    /// How many the kernel applied to.
+    /// How many there were.
     pub chains: usize,
     pub worst: f64,
     pub bins: usize,

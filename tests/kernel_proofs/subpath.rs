@@ -14,7 +14,7 @@ use crate::room::{DIFFUSE, Held, Point, Room};
 use crate::sums::{Agreement, PROPOSALS, QUADRATURE, Sums};
 use crate::{FEWER, GLOSSY, LAYERED, LOOKS, SCENE, SPECULAR_SCENE, Z_LIMIT, check_stationarity, scene_of};
 
-const KERNELS: [&Kernel; 3] = [&lens_subpath::KERNEL, &light_subpath::KERNEL, &guided_light_subpath::KERNEL];
+pub const KERNELS: [&Kernel; 3] = [&lens_subpath::KERNEL, &light_subpath::KERNEL, &guided_light_subpath::KERNEL];
 
 /// Share of proposals whose log ratios there and back do not cancel to 1e-3, of at least `wanted`. The way back has the
 /// same plan and guides, or wrongly those of another path.
@@ -47,17 +47,23 @@ fn asymmetric_share(bench: &mut Bench, kernel: &Kernel, anothers_guides: bool, w
     (bad as f64 / all as f64, all)
 }
 
+/// Says and checks it of all three.
+#[track_caller]
+pub fn check_symmetry(bench: &mut Bench, name: &str, wanted: usize) {
+    bench.publish_guides();
+    for kernel in KERNELS {
+        let (share, all) = asymmetric_share(bench, kernel, false, wanted);
+        println!("{name}, {}: {share:.2e} of {all} proposals asymmetric", kernel.name);
+        assert!(share < 1e-3, "{}: {share}", kernel.name);
+    }
+}
+
 #[test]
 fn log_ratios_of_subpaths_are_antisymmetric() {
     let context = context();
     for scene in [SPECULAR_SCENE, GLOSSY] {
         let mut bench = Bench::new(&context, scene);
-        bench.publish_guides();
-        for kernel in KERNELS {
-            let (share, all) = asymmetric_share(&mut bench, kernel, false, 1_000_000);
-            println!("{scene}, {}: {share:.2e} of {all} proposals asymmetric", kernel.name);
-            assert!(share < 1e-3, "{}: {share}", kernel.name);
-        }
+        check_symmetry(&mut bench, scene, 1_000_000);
         let (share, _) = asymmetric_share(&mut bench, &guided_light_subpath::KERNEL, true, 50_000);
         println!("{scene}, twin, another path's guides on the way back: {share:.3} asymmetric");
         assert!(share > 0.05, "the twin with another path's guides passes: {share}");

@@ -1,5 +1,6 @@
 //! Textures on the device: look-ups against their twin in f64, and the three methods against each other.
 
+#[allow(dead_code)]
 mod room;
 
 #[path = "../images/comparison.rs"]
@@ -23,7 +24,7 @@ use emlt::scene::material::Material;
 use emlt::scene::{Camera, Features, LUMINANCE, Lens, Scene, Texture};
 use glam::{DVec2, DVec3, Vec4, vec3};
 use renders::{render, replicates, settings};
-use room::{layered_room, lit_room, orthographic_room, room, unlit_wall, veiled_room};
+use room::{glazed_room, layered_room, lit_room, orthographic_room, polished_room, room, unlit_wall, veiled_room};
 
 /// What shaders/passes/surface_probe.wesl tells of points of a scene.
 fn probe(scene: &Scene, points: &[[u32; 4]]) -> Vec<[[f32; 4]; 4]> {
@@ -185,6 +186,14 @@ fn long_textured_room_by_emlt() {
 #[test]
 fn b_is_that_of_path_tracing() {
     check_b(&[room(), lit_room(), veiled_room()], 2048);
+}
+
+/// Path tracing knows no caustics of points, spots and directions: they are not there.
+#[test]
+fn b_through_mirrors_and_glass_is_that_of_path_tracing() {
+    let glazed = Scene { name: "glazed room without points".into(), lights: vec![], ..glazed_room() };
+    check_b(&[polished_room()], 2048);
+    check_b(&[glazed], 512);
 }
 
 /// Highlights of points in lobes that are narrow, but no deltas: as specular ones they could not be connected.

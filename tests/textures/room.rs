@@ -83,6 +83,30 @@ pub fn room() -> Scene {
     scene
 }
 
+/// The room with its lamp behind a pane of glass, a block of it, and a leaning mirror, whose roughness is the floor's texture:
+/// alpha from 0.035 to 0.25 in reflection and transmission, on both sides of what is treated as specular.
+pub fn polished_room() -> Scene {
+    let mut scene = room();
+    scene.name = "polished room".into();
+    let floor = scene.materials[0].clone();
+    let metallic_roughness = floor.textures.metallic_roughness.clone();
+    let frosted = Material {
+        name: "frosted glass".into(),
+        metallic: 0.0,
+        transmission: 1.0,
+        thin: false,
+        textures: Textures { metallic_roughness, ..Textures::default() },
+        ..floor.clone()
+    };
+    let pane = Material { name: "pane".into(), thin: true, double_sided: true, ..frosted.clone() };
+    scene.materials.extend([frosted, Material { name: "mirror".into(), ..floor }, pane]);
+    block(&mut scene, vec3(-0.7, 0.05, -0.4), 0.6, 3);
+    quad(&mut scene, vec3(0.0, 0.1, 0.1), vec3(0.8, 0.0, 0.3), vec3(0.1, 1.2, -0.4), 4);
+    // It stays clear of the walls: where an edge is short, little is left of the half-vectors at its ends.
+    quad(&mut scene, vec3(-0.9, 1.5, -0.9), 1.8 * Vec3::X, 1.8 * Vec3::Z, 5);
+    scene
+}
+
 /// The room without its lamp, before an uneven sky, with a light of every kind.
 pub fn lit_room() -> Scene {
     let mut scene = room();
@@ -167,7 +191,15 @@ pub fn veiled_room() -> Scene {
         textures: painted(true),
         ..coat
     };
-    let glass = Material {
+    scene.materials.extend([screen, veil, tinted_glass()]);
+    block(&mut scene, vec3(-0.7, 0.05, -0.7), 0.6, 5);
+    quad(&mut scene, vec3(-0.9, 0.1, 0.1), Vec3::X, 1.1 * Vec3::Y, 3);
+    quad(&mut scene, vec3(0.0, 0.2, 0.5), vec3(0.9, 0.0, 0.3), 1.2 * Vec3::Y, 4);
+    scene
+}
+
+fn tinted_glass() -> Material {
+    Material {
         name: "tinted glass".into(),
         metallic: 0.0,
         roughness: 0.0,
@@ -175,11 +207,27 @@ pub fn veiled_room() -> Scene {
         thin: false,
         absorption: vec3(0.5, 2.0, 5.0),
         ..Material::default()
-    };
-    scene.materials.extend([screen, veil, glass]);
-    block(&mut scene, vec3(-0.7, 0.05, -0.7), 0.6, 5);
-    quad(&mut scene, vec3(-0.9, 0.1, 0.1), Vec3::X, 1.1 * Vec3::Y, 3);
-    quad(&mut scene, vec3(0.0, 0.2, 0.5), vec3(0.9, 0.0, 0.3), 1.2 * Vec3::Y, 4);
+    }
+}
+
+/// The lit room with a block of tinted glass and a wall that is a mirror: every kind of light makes caustics, of which path
+/// tracing knows none that points, spots and directions make.
+pub fn glazed_room() -> Scene {
+    let mut scene = lit_room();
+    scene.name = "glazed room".into();
+    let mirror = Material { name: "mirror".into(), base_color: vec3(0.9, 0.8, 0.6), ..Material::default() };
+    scene.materials.extend([tinted_glass(), Material { roughness: 0.0, ..mirror }]);
+    block(&mut scene, vec3(-0.7, 0.05, -0.4), 0.6, 3);
+    quad(&mut scene, vec3(-0.99, 0.01, 0.99), vec3(0.02, 0.0, -1.9), vec3(0.05, 1.9, 0.0), 4);
+    scene
+}
+
+/// The same without what comes from infinitely far: caustics start at points.
+pub fn room_of_points() -> Scene {
+    let mut scene = glazed_room();
+    scene.name = "room of points".into();
+    scene.environment = None;
+    scene.lights.truncate(2);
     scene
 }
 
