@@ -35,16 +35,16 @@ pub fn default_mix(method: Method) -> Vec<(&'static Kernel, f64)> {
     let guided = method == Method::Emlt;
     let mut weights = vec![
         (&independence::KERNEL, 0.05),
-        if guided { (&guided_bidirectional::KERNEL, 0.1) } else { (&bidirectional::KERNEL, 0.15) },
+        if guided { (&guided_bidirectional::KERNEL, 0.05) } else { (&bidirectional::KERNEL, 0.15) },
         (&lens::KERNEL, 1.0),
         (&multi_chain::KERNEL, 1.0),
         (&caustic::KERNEL, 1.0),
     ];
     if guided {
         weights.extend([
-            (&guided_lens::KERNEL, 1.0),
-            (&lens_subpath::KERNEL, 0.15),
-            (&guided_light_subpath::KERNEL, 0.1),
+            (&guided_lens::KERNEL, 0.5),
+            (&lens_subpath::KERNEL, 0.1),
+            (&guided_light_subpath::KERNEL, 0.05),
         ]);
     }
     weights

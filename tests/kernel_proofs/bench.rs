@@ -51,6 +51,8 @@ type Starts = (Vec<Candidate>, Vec<[u32; 2]>);
 
 pub struct Bench<'a> {
     pub run: Run<'a>,
+    /// Whether the device is the processor.
+    pub software: bool,
     pub data: SceneData,
     /// What `list` and `cut_list` have put on the device last.
     pub lists: Vec<u32>,
@@ -83,7 +85,16 @@ impl<'a> Bench<'a> {
         };
         let mut run = Run::new(context, &data, sizes).unwrap();
         let bootstrap = start(features, 1).run(&mut run).unwrap().unwrap();
-        let mut bench = Self { run, data, lists: vec![], features, bootstrap, guides: Pool::default(), starts: None };
+        let mut bench = Self {
+            run,
+            software: context.software,
+            data,
+            lists: vec![],
+            features,
+            bootstrap,
+            guides: Pool::default(),
+            starts: None,
+        };
         bench.guides = bench.pool(HALF, HALF);
         bench
     }
@@ -203,13 +214,14 @@ impl<'a> Bench<'a> {
         (self.cut_uniform(list.entries.len()), list)
     }
 
-    /// Sets the list of a structural pass over the first `count` paths.
-    pub fn structural_list(&mut self, kernel: &Kernel, count: u32, pass_index: u32) -> PassUniform {
-        if kernel.pass == "subpath" {
-            let entries = self.plan_list(kernel, count, pass_index).entries.len();
-            return self.cut_uniform(entries);
-        }
-        self.cut_list(count, pass_index).0
+    /// Sets the list of a structural pass over the first `count` paths; returns what the dispatch needs, and its paths.
+    pub fn structural_list(&mut self, kernel: &Kernel, count: u32, pass_index: u32) -> (PassUniform, Vec<u32>) {
+        let paths: Vec<u32> = if kernel.pass == "subpath" {
+            self.plan_list(kernel, count, pass_index).entries.iter().map(|entry| entry.path).collect()
+        } else {
+            self.cut_list(count, pass_index).1.entries.iter().map(|entry| entry.path).collect()
+        };
+        (self.cut_uniform(paths.len()), paths)
     }
 
     /// Sets the list of a subpath pass over the first `count` paths.

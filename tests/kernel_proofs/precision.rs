@@ -15,7 +15,9 @@ use glam::{Affine3A, Vec3};
 use crate::bench::{Bench, COLUMNS, Guides, HALF, MAX_EDGES, PATHS, context};
 use crate::crossover::{cross, pair_list};
 use crate::double::Double;
-use crate::{GLOSSY, LAYERED, PERTURBATIONS, SCENE, SPECULAR_SCENE, STRUCTURAL, TEXTURED, WEIGH, rooms, scene_of};
+use crate::{
+    GLOSSY, LAYERED, PERTURBATIONS, SCENE, SPECULAR_SCENE, STRUCTURAL, TEXTURED, WEIGH, rooms, scene_of, subpath,
+};
 
 /// METHOD.md: the median difference, the one that all but a thousandth keep, and that share.
 const MEDIAN: f64 = 1e-4;
@@ -91,8 +93,7 @@ fn proposals(bench: &mut Bench, kernel: &Kernel, twin: &[&'static str], wanted: 
     // From the same random numbers again the second structural kernel would often propose the path as it is.
     let pass = if structural && kernel.guided { 2 } else { 1 };
     let (uniform, paths) = if structural {
-        let (uniform, list) = bench.cut_list(HALF, pass);
-        (uniform, list.entries.iter().map(|entry| entry.path).collect())
+        bench.structural_list(kernel, HALF, pass)
     } else {
         bench.fill_with(kernel);
         bench.list(kernel, HALF, Guides::Other)
@@ -285,8 +286,8 @@ fn check(name: &str, scene: Scene, kernels: &[&Kernel], structural: &[&Kernel], 
 
 fn check_all(wanted: usize) {
     for (name, kernels) in PERTURBATIONS {
-        let structural = if name == SPECULAR_SCENE { &STRUCTURAL[..] } else { &[] };
-        check(name, scene_of(name), kernels, structural, wanted);
+        let structural = if name == SPECULAR_SCENE { [&STRUCTURAL[..], &subpath::KERNELS].concat() } else { vec![] };
+        check(name, scene_of(name), kernels, &structural, wanted);
     }
 }
 
@@ -294,7 +295,9 @@ fn check_all(wanted: usize) {
 fn check_features(wanted: usize) {
     let kernels: [&Kernel; 2] = [&lens::KERNEL, &guided_lens::KERNEL];
     check(TEXTURED, scene_of(TEXTURED), &kernels, &STRUCTURAL[1..], wanted);
-    check(LAYERED, scene_of(LAYERED), &[&lens::KERNEL, &guided_caustic::KERNEL], &STRUCTURAL[1..], wanted);
+    let [lens_subpath, light_subpath, _] = subpath::KERNELS;
+    let structural = [STRUCTURAL[1], lens_subpath, light_subpath];
+    check(LAYERED, scene_of(LAYERED), &[&lens::KERNEL, &guided_caustic::KERNEL], &structural, wanted);
     check("an even sky", under_a_sky(false), &kernels, &STRUCTURAL[1..], wanted);
     check("a map of a sky", under_a_sky(true), &kernels, &STRUCTURAL[1..], wanted);
     let glazed = [&lens::KERNEL, &guided_caustic::KERNEL, &guided_multi_chain::KERNEL];

@@ -211,7 +211,7 @@ pub fn verdicts(bench: &mut Bench, moved: &[Moved], plan: Plan) -> Vec<Vec<Verdi
                     match list {
                         Some(uniform) => bench.passes(kernel, flags, uniform, passes),
                         None => passes.for_each(|pass| {
-                            let uniform = bench.structural_list(kernel, count, pass);
+                            let (uniform, _) = bench.structural_list(kernel, count, pass);
                             bench.passes(kernel, flags, uniform, pass..pass + 1);
                         }),
                     }
