@@ -171,7 +171,8 @@ fn check_factors(bench: &mut Bench, scene: &str) {
     }
     println!("{scene}: {moved} of {} types changed; {bad:?} differ in w, C, colour, C of the light's side", 2 * HALF);
     assert!(bad.iter().all(|b| (*b as f64) < 1e-3 * f64::from(2 * HALF)), "{bad:?}");
-    assert!(moved > HALF as usize / 200, "{moved}");
+    // Most exchanges are among paths of one type.
+    assert!(moved > 100, "{moved}");
 }
 
 #[test]

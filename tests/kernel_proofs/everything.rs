@@ -96,7 +96,7 @@ pub fn prove(name: &str, scene: &Scene, expected: &[&str]) {
     let twins = [(&guided_lens::KERNEL, "twin_one_sided", 90_000)];
     check_stationarity_on(&mut bench, name, &plain, &twins, &FEWER);
     check_stationarity_on(&mut bench, name, &through_mirrors, &[], &RARE);
-    let twins = [(&bidirectional::KERNEL, "twin_places", 500_000)];
+    let twins = [(&bidirectional::KERNEL, "twin_places", 1_000_000)];
     check_stationarity_on(&mut bench, name, &STRUCTURAL, &twins, &FEWER);
     if bench.features.mirror {
         check_stationarity_on(&mut bench, name, &subpath::KERNELS, &[], &FEWER);
