@@ -154,8 +154,8 @@ mod tests {
         type Case<'a> = (&'a [Tag], [Option<u32>; 2], Option<u32>);
         // Tags from the light; first vertices with one and two diffuse ones from the camera, and from the light.
         let cases: [Case; 8] = [
-            (&[], [None, None], None),                 // L E
-            (&[T], [None, None], None),                // L S E
+            (&[], [Some(0), None], None),              // L E
+            (&[T], [Some(0), None], None),             // L S E
             (&[D], [Some(1), None], Some(1)),          // L D E
             (&[D, D], [Some(2), Some(1)], Some(2)),    // L D D E
             (&[D, T, T], [Some(1), None], None),       // L D S S E

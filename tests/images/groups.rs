@@ -22,7 +22,7 @@ const COUNT: u32 = 8;
 /// The group whose start is changed.
 const CHANGED: u32 = 3;
 /// Every kernel that looks at other paths, beside those that make it reach everywhere.
-const MIX: &str = "independence=0.05,guided-bidirectional=0.15,crossover=0.1,lens=1,guided-lens=1,jump=1,difference=1,multi-chain=1,guided-multi-chain=1,guided-caustic=1";
+const MIX: &str = "independence=0.05,guided-bidirectional=0.15,guided-light-subpath=0.1,crossover=0.1,lens=1,guided-lens=1,jump=1,difference=1,multi-chain=1,guided-multi-chain=1,guided-caustic=1";
 
 /// What four sweeps of both halves leave: the states of all paths, and every layer of the film.
 struct Left {
@@ -37,7 +37,7 @@ fn render(context: &Context, groups: Groups, changed: bool) -> Left {
     let data = SceneData::new(&scene, scene.camera(None).unwrap(), FILM[0], FILM[1]).unwrap();
     let features = Features::of(&scene);
     let mix = Mix::new(&Mix::parse(MIX).unwrap(), features);
-    assert_eq!(mix.kernels().len(), 10);
+    assert_eq!(mix.kernels().len(), 11);
     let layer = 24 * u64::from(FILM[0] * FILM[1]);
     let sizes = Sizes {
         chains: 16 * chain_rows(MAX_EDGES) as u64 * u64::from(PATHS),
