@@ -50,7 +50,16 @@ fn mlt_repeats() {
 fn emlt_repeats() {
     check_maps(
         Method::Emlt,
-        &["independence", "guided-bidirectional", "lens", "multi-chain", "caustic", "guided-lens"],
+        &[
+            "independence",
+            "guided-bidirectional",
+            "lens",
+            "multi-chain",
+            "caustic",
+            "guided-lens",
+            "lens-subpath",
+            "guided-light-subpath",
+        ],
     );
 }
 
