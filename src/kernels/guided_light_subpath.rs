@@ -6,7 +6,7 @@ use super::{Kernel, light_subpath};
 /// Applies as the unguided one.
 pub const KERNEL: Kernel = Kernel {
     name: "guided-light-subpath",
-    about: "the same, half of the directions towards where caustics of the other half begin",
+    about: "as light-subpath, half of the directions towards where caustics of the other half begin",
     flags: &["segment", "subpath", "light_side", "guided"],
     guided: true,
     ..light_subpath::KERNEL
