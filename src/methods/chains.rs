@@ -41,11 +41,8 @@ pub fn default_mix(method: Method) -> Vec<(&'static Kernel, f64)> {
         (&caustic::KERNEL, 1.0),
     ];
     if guided {
-        weights.extend([
-            (&guided_lens::KERNEL, 0.5),
-            (&lens_subpath::KERNEL, 0.1),
-            (&guided_light_subpath::KERNEL, 0.05),
-        ]);
+        weights.push((&guided_lens::KERNEL, 0.5));
+        weights.extend([(&lens_subpath::KERNEL, 0.1), (&guided_light_subpath::KERNEL, 0.05)]);
     }
     weights
 }

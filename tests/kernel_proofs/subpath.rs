@@ -11,39 +11,23 @@ use glam::{DVec2, DVec3};
 use crate::bench::{Bench, FILM, HALF, SEED, context};
 use crate::estimator::{Chosen, PASSES, held, held_paths};
 use crate::room::{DIFFUSE, Held, Point, Room};
+use crate::structural::compared;
 use crate::sums::{Agreement, PROPOSALS, QUADRATURE, Sums};
-use crate::{FEWER, GLOSSY, LAYERED, LOOKS, SCENE, SPECULAR_SCENE, Z_LIMIT, check_stationarity, scene_of};
+use crate::{
+    FEWER, GLOSSY, LAYERED, LOOKS, SCENE, SPECULAR_SCENE, Z_LIMIT, check_stationarity, say_symmetric, scene_of,
+};
 
 pub const KERNELS: [&Kernel; 3] = [&lens_subpath::KERNEL, &light_subpath::KERNEL, &guided_light_subpath::KERNEL];
 
-/// Share of proposals whose log ratios there and back do not cancel to 1e-3, of at least `wanted`. The way back has the
-/// same plan and guides, or wrongly those of another path.
+/// Share of asymmetric proposals, of at least `wanted`. The way back has the same plan and guides, or wrongly those of
+/// another path.
 fn asymmetric_share(bench: &mut Bench, kernel: &Kernel, anothers_guides: bool, wanted: usize) -> (f64, usize) {
-    let (mut bad, mut all, mut pass) = (0usize, 0usize, 1);
-    while all < wanted {
-        bench.keep_origins();
-        let list = bench.plan_list(kernel, HALF, pass);
-        let uniform = bench.cut_uniform(list.entries.len());
-        bench.passes(kernel, &["probe"], uniform, pass..pass + 1);
-        let forward = bench.lens_records(list.entries.len() as u32);
-        let back: Vec<_> = list.entries.iter().zip(&forward).filter(|(_, f)| f.possible).collect();
-        assert!(back.iter().all(|(_, f)| f.log_ratio > -1e29), "a way back that cannot be drawn");
-        let words: Vec<u32> = (0..back.len())
-            .flat_map(|i| {
-                let guides = back[if anothers_guides { (i + 1) % back.len() } else { i }].0.guides;
-                PlanEntry { guides, ..*back[i].0 }.words()
-            })
-            .collect();
-        bench.run.set_lists(&words);
-        let uniform = bench.cut_uniform(back.len());
-        bench.passes(kernel, &["probe", "probe_back"], uniform, pass..pass + 1);
-        let backward = bench.lens_records(back.len() as u32);
-        for ((_, f), b) in back.iter().zip(&backward) {
-            all += 1;
-            bad += usize::from(!(b.possible && (f.log_ratio + b.log_ratio).abs() < 1e-3));
-        }
-        pass += 1;
-    }
+    let back = |entry: PlanEntry, next: PlanEntry| {
+        PlanEntry { guides: if anothers_guides { next.guides } else { entry.guides }, ..entry }.words()
+    };
+    let list = |bench: &mut Bench, pass| bench.plan_list(kernel, HALF, pass).entries;
+    let [bad, all, rejected] = compared(bench, kernel, wanted, list, back);
+    assert_eq!(rejected, 0, "ways back cannot be drawn");
     (bad as f64 / all as f64, all)
 }
 
@@ -52,9 +36,7 @@ fn asymmetric_share(bench: &mut Bench, kernel: &Kernel, anothers_guides: bool, w
 pub fn check_symmetry(bench: &mut Bench, name: &str, wanted: usize) {
     bench.publish_guides();
     for kernel in KERNELS {
-        let (share, all) = asymmetric_share(bench, kernel, false, wanted);
-        println!("{name}, {}: {share:.2e} of {all} proposals asymmetric", kernel.name);
-        assert!(share < 1e-3, "{}: {share}", kernel.name);
+        say_symmetric(name, kernel, asymmetric_share(bench, kernel, false, wanted));
     }
 }
 
