@@ -50,7 +50,7 @@ use emlt::gpu::layout::{PassUniform, ROW_KEY, ROW_VERTICES, row_guide, unpack_po
 use emlt::gpu::shader::Variant;
 use emlt::kernels::{
     Family, Kernel, bidirectional, caustic, difference, guided_bidirectional, guided_caustic, guided_lens,
-    guided_multi_chain, jump, kept_lens, lens, multi_chain, walk_lens,
+    guided_multi_chain, jump, kept_lens, lens, manifold, multi_chain, walk_lens,
 };
 use emlt::scene::Scene;
 use invariance::{FEWER, LOOKS, RARE, Z_LIMIT, check_stationarity, check_stationarity_on};
@@ -83,7 +83,14 @@ const PERTURBATIONS: [(&str, &[&Kernel]); 3] = [
     ),
     (
         SPECULAR_SCENE,
-        &[&lens::KERNEL, &multi_chain::KERNEL, &guided_multi_chain::KERNEL, &caustic::KERNEL, &guided_caustic::KERNEL],
+        &[
+            &lens::KERNEL,
+            &multi_chain::KERNEL,
+            &guided_multi_chain::KERNEL,
+            &manifold::KERNEL,
+            &caustic::KERNEL,
+            &guided_caustic::KERNEL,
+        ],
     ),
     (
         GLOSSY,
@@ -92,6 +99,7 @@ const PERTURBATIONS: [(&str, &[&Kernel]); 3] = [
             &guided_lens::KERNEL,
             &multi_chain::KERNEL,
             &guided_multi_chain::KERNEL,
+            &manifold::KERNEL,
             &caustic::KERNEL,
             &guided_caustic::KERNEL,
         ],
@@ -263,10 +271,11 @@ fn check_factors(bench: &mut Bench) {
     let entries: Vec<u32> = (0..HALF).flat_map(|path| [path, 0]).collect();
     let all = PassUniform { seed: 77, stride: bench::COLUMNS, entries: HALF, ..Default::default() };
     for steps in [0u32, 8] {
-        let guided = [&guided_caustic::KERNEL, &guided_lens::KERNEL, &guided_multi_chain::KERNEL];
+        let moving =
+            [&guided_caustic::KERNEL, &guided_lens::KERNEL, &guided_multi_chain::KERNEL, &manifold::KERNEL];
         let features = bench.features;
-        let guided = guided.iter().filter(|kernel| (kernel.useless)(features).is_none());
-        for (n, kernel) in guided.enumerate() {
+        let moving = moving.iter().filter(|kernel| (kernel.useless)(features).is_none());
+        for (n, kernel) in moving.enumerate() {
             let (uniform, _) = bench.list(kernel, HALF, Guides::Other);
             let first = 1 + 100 * n as u32;
             bench.passes(kernel, &[], uniform, first..first + steps);
@@ -283,7 +292,7 @@ fn check_factors(bench: &mut Bench) {
             bad[1] += usize::from((r[1] - r[3]).abs() > 1e-3);
             bad[2] += usize::from(r[2] > 1e-3);
         }
-        println!("after {steps} steps of every guided kernel: {bad:?} of {HALF} differ in w, C, colour");
+        println!("after {steps} steps of every guided kernel and the manifold: {bad:?} of {HALF} differ in w, C, colour");
         assert!(bad.iter().all(|b| (*b as f64) < 1e-3 * f64::from(HALF)), "{steps} steps: {bad:?}");
     }
 }

@@ -31,9 +31,10 @@ pub struct Variant {
 
 /// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
 /// instead of splats, and deliberately wrong kernels that the tests must catch.
-pub const PASS_FLAGS: [&str; 27] = [
+pub const PASS_FLAGS: [&str; 30] = [
     "guided",
     "multi_chain",
+    "manifold",
     "walk",
     "kept_weights",
     "difference",
@@ -56,6 +57,8 @@ pub const PASS_FLAGS: [&str; 27] = [
     "twin_places",
     "twin_lens",
     "twin_jacobian",
+    "twin_spread",
+    "twin_way_back",
     "twin_acceptance",
     "twin_splat",
     "twin_blocked",

@@ -18,6 +18,7 @@ pub mod kept_lens;
 pub mod lens;
 pub mod lens_subpath;
 pub mod light_subpath;
+pub mod manifold;
 pub mod multi_chain;
 pub mod walk_lens;
 
@@ -66,7 +67,7 @@ impl Family {
 }
 
 /// Every kernel there is, in the order of their names on the command line.
-pub const ALL: [&Kernel; 17] = [
+pub const ALL: [&Kernel; 18] = [
     &independence::KERNEL,
     &bidirectional::KERNEL,
     &guided_bidirectional::KERNEL,
@@ -84,6 +85,7 @@ pub const ALL: [&Kernel; 17] = [
     &lens_subpath::KERNEL,
     &light_subpath::KERNEL,
     &guided_light_subpath::KERNEL,
+    &manifold::KERNEL,
 ];
 
 /// Where a sweep from the camera ends (twin of `camera_sweep_end` in shaders/transport/path.wesl): index of the first

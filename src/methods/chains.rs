@@ -47,6 +47,9 @@ pub fn default_mix(method: Method) -> Vec<(&'static Kernel, f64)> {
     weights
 }
 
+/// Share of a time limit that is left to the chains, however long their start took.
+const LEAST_RENDERING: f64 = 0.25;
+
 /// Share of the start's candidates that may be lost to rounding before a note speaks of it.
 const NON_FINITE_SHARE: f64 = 1e-5;
 /// Types of paths that notes speak of.
@@ -243,7 +246,10 @@ impl Part for Chains<'_> {
             (Phase::Rendering(ensemble), Budget::SamplesPerPixel(n)) => {
                 ensemble.mutations() as f64 / (f64::from(n) * self.pixels() as f64)
             }
-            (Phase::Rendering(_), Budget::Seconds(s)) => self.statistics.render_s / s,
+            (Phase::Rendering(_), Budget::Seconds(s)) => {
+                let left = (s - self.statistics.seeding_s).max(LEAST_RENDERING * s);
+                self.statistics.render_s / left
+            }
             // Nothing is left to do, ever.
             (Phase::Dark, _) => f64::INFINITY,
         }

@@ -74,7 +74,7 @@ pub enum Direct {
 pub enum Budget {
     /// Mutations per pixel (mlt, emlt) or samples per pixel (pt).
     SamplesPerPixel(u32),
-    /// Wall-clock seconds of rendering, set-up not counted.
+    /// Wall-clock seconds of rendering, the chains' start among them, set-up not counted. Chains have a quarter of it at least.
     Seconds(f64),
 }
 

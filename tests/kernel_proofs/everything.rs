@@ -24,7 +24,7 @@ pub const WITHOUT_MIRRORS: [&str; 10] = [
 ];
 
 /// Where mirrors and glass light what is seen and are seen: all there are, in the order of `emlt::kernels::ALL`.
-pub const ALL: [&str; 17] = [
+pub const ALL: [&str; 18] = [
     "independence",
     "bidirectional",
     "guided-bidirectional",
@@ -42,6 +42,7 @@ pub const ALL: [&str; 17] = [
     "lens-subpath",
     "light-subpath",
     "guided-light-subpath",
+    "manifold",
 ];
 
 /// How closely is looked.

@@ -1,7 +1,7 @@
 //! Weighted paired stationarity of every kernel on its scene, with the twins that must be caught.
 
 use emlt::kernels::{
-    Kernel, bidirectional, guided_bidirectional, guided_caustic, guided_lens, guided_multi_chain, jump, lens,
+    Kernel, bidirectional, guided_bidirectional, guided_caustic, guided_lens, guided_multi_chain, jump, lens, manifold,
 };
 
 use crate::bench::{Bench, context};
@@ -86,8 +86,11 @@ fn steps_on_the_film_leave_the_target_alone() {
 
 #[test]
 fn kernels_through_specular_vertices_leave_the_target_alone() {
-    let twins =
-        [(&guided_multi_chain::KERNEL, "twin_one_sided", 45_000), (&guided_caustic::KERNEL, "twin_one_sided", 45_000)];
+    let twins = [
+        (&guided_multi_chain::KERNEL, "twin_one_sided", 45_000),
+        (&manifold::KERNEL, "twin_spread", 45_000),
+        (&guided_caustic::KERNEL, "twin_one_sided", 45_000),
+    ];
     let (kernels, specular) = PERTURBATIONS[1].1.split_at(1);
     check_stationarity(SPECULAR_SCENE, kernels, &[], &FEWER);
     check_stationarity(SPECULAR_SCENE, specular, &twins, &LOOKS);
