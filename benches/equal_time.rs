@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use emlt::ensemble::mix::Mix;
 use emlt::film::{Image, exr, metrics};
-use emlt::methods::{Budget, Method, Settings, Silent, render};
+use emlt::methods::{Budget, Method, Settings, Silent, default_candidates, default_two_stage, render};
 use emlt::scene::import::import;
 
 #[derive(Parser)]
@@ -25,7 +25,7 @@ struct Arguments {
     /// Images of other renderers
     #[arg(long, num_args = 1..)]
     image: Vec<PathBuf>,
-    /// Rendering time of each image; seeding and compiling come on top and are listed
+    /// Time of each image with the chains' start; set-up and compiling come on top and are listed
     #[arg(long, default_value_t = 10.0)]
     seconds: f64,
     /// Instead of a time: mutations or samples per pixel, for comparisons on a machine with other work
@@ -69,7 +69,7 @@ fn run(arguments: &Arguments) -> emlt::Result<()> {
         scene.name,
         reference.width,
         reference.height,
-        arguments.spp.map_or(format!("{} s of rendering", arguments.seconds), |n| format!("{n} per pixel")),
+        arguments.spp.map_or(format!("{} s with the start", arguments.seconds), |n| format!("{n} per pixel")),
         arguments.seeds
     );
     println!(
@@ -83,12 +83,16 @@ fn run(arguments: &Arguments) -> emlt::Result<()> {
         let mut rows: Vec<[f64; 7]> = Vec::new();
         let mut kernels = String::new();
         for seed in 1..=arguments.seeds {
+            let [width, height] = [reference.width, reference.height];
+            let budget = arguments.spp.map_or(Budget::Seconds(arguments.seconds), Budget::SamplesPerPixel);
             let settings = Settings {
                 method,
-                width: reference.width,
-                height: reference.height,
-                budget: arguments.spp.map_or(Budget::Seconds(arguments.seconds), Budget::SamplesPerPixel),
+                width,
+                height,
+                budget,
                 seed,
+                two_stage: default_two_stage(method),
+                candidates: default_candidates(true, budget, [width, height]),
                 kernels: mix.clone(),
                 ..Settings::default()
             };

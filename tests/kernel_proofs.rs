@@ -23,6 +23,8 @@ mod features;
 mod independence;
 #[path = "kernel_proofs/invariance.rs"]
 mod invariance;
+#[path = "kernel_proofs/manifold.rs"]
+mod manifold_proofs;
 #[path = "kernel_proofs/memory.rs"]
 mod memory;
 #[path = "kernel_proofs/mixes.rs"]
@@ -271,8 +273,7 @@ fn check_factors(bench: &mut Bench) {
     let entries: Vec<u32> = (0..HALF).flat_map(|path| [path, 0]).collect();
     let all = PassUniform { seed: 77, stride: bench::COLUMNS, entries: HALF, ..Default::default() };
     for steps in [0u32, 8] {
-        let moving =
-            [&guided_caustic::KERNEL, &guided_lens::KERNEL, &guided_multi_chain::KERNEL, &manifold::KERNEL];
+        let moving = [&guided_caustic::KERNEL, &guided_lens::KERNEL, &guided_multi_chain::KERNEL, &manifold::KERNEL];
         let features = bench.features;
         let moving = moving.iter().filter(|kernel| (kernel.useless)(features).is_none());
         for (n, kernel) in moving.enumerate() {
@@ -292,7 +293,9 @@ fn check_factors(bench: &mut Bench) {
             bad[1] += usize::from((r[1] - r[3]).abs() > 1e-3);
             bad[2] += usize::from(r[2] > 1e-3);
         }
-        println!("after {steps} steps of every guided kernel and the manifold: {bad:?} of {HALF} differ in w, C, colour");
+        println!(
+            "after {steps} steps of every guided kernel and the manifold: {bad:?} of {HALF} differ in w, C, colour"
+        );
         assert!(bad.iter().all(|b| (*b as f64) < 1e-3 * f64::from(HALF)), "{steps} steps: {bad:?}");
     }
 }

@@ -9,7 +9,9 @@ use crate::ensemble::groups::MOST_GROUPS;
 use crate::ensemble::guidance::{Guidance, MOST_GUIDES};
 use crate::ensemble::mix::Mix;
 use crate::ensemble::pool::MAX_EDGES;
-use crate::methods::{Budget, Direct, MAX_SIDE, Method, Settings, default_candidates, default_ensemble, default_size};
+use crate::methods::{
+    Budget, Direct, MAX_SIDE, Method, Settings, default_candidates, default_ensemble, default_size, default_two_stage,
+};
 use crate::scene::environment;
 use crate::scene::import::import;
 use crate::scene::{Camera, Lens, Scene};
@@ -62,7 +64,7 @@ pub struct Options {
     pub ensemble: Option<u32>,
 
     /// Candidates among which the chains' starts are chosen, and which first tell the image's brightness (mlt, emlt)
-    /// [default: an eighth of the mutations, at least a million]
+    /// [default: a third of the mutations, at least a million]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(65536..=1 << 26))]
     pub candidates: Option<u32>,
 
@@ -91,7 +93,8 @@ pub struct Options {
     #[arg(long, value_enum, default_value_t = Direct::Mcmc)]
     pub direct: Direct,
 
-    /// Give dark parts more samples: as many as luminance to the power 1 - GAMMA, from 0 to 1 (mlt, emlt)
+    /// Give dark parts more samples: as many as luminance to the power 1 - GAMMA, from 0 to 1 (mlt, emlt) [default: 0.5 for
+    /// emlt, 0 for mlt]
     #[arg(long, value_name = "GAMMA", value_parser = parse_gamma)]
     pub two_stage: Option<f64>,
 
@@ -207,7 +210,7 @@ impl Options {
                 normals: self.similarity == Resemblance::Normals,
             },
             direct: self.direct,
-            two_stage: self.two_stage,
+            two_stage: self.two_stage.or_else(|| default_two_stage(self.method)),
             device: self.device.clone(),
             ..Settings::default()
         })

@@ -31,7 +31,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
 
-    /// Render for this long instead of to a number of samples
+    /// Render for this long, the chains' start included, instead of to a number of samples
     #[arg(long, value_name = "SECONDS", conflicts_with = "spp", value_parser = parse_seconds)]
     time: Option<f64>,
 

@@ -31,7 +31,7 @@ pub struct Variant {
 
 /// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
 /// instead of splats, and deliberately wrong kernels that the tests must catch.
-pub const PASS_FLAGS: [&str; 30] = [
+pub const PASS_FLAGS: [&str; 31] = [
     "guided",
     "multi_chain",
     "manifold",
@@ -58,6 +58,7 @@ pub const PASS_FLAGS: [&str; 30] = [
     "twin_lens",
     "twin_jacobian",
     "twin_spread",
+    "twin_flat",
     "twin_way_back",
     "twin_acceptance",
     "twin_splat",

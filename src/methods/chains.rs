@@ -25,7 +25,7 @@ use crate::gpu::run::{Buffer, PASS_SLOTS, Run, Sizes};
 use crate::gpu::scene::GpuScene;
 use crate::kernels::{
     Kernel, bidirectional, caustic, guided_bidirectional, guided_lens, guided_light_subpath, independence, lens,
-    lens_subpath, multi_chain,
+    lens_subpath, manifold, multi_chain,
 };
 use crate::report::statistics::Statistics;
 use crate::scene::Features;
@@ -43,6 +43,7 @@ pub fn default_mix(method: Method) -> Vec<(&'static Kernel, f64)> {
     if guided {
         weights.push((&guided_lens::KERNEL, 0.5));
         weights.extend([(&lens_subpath::KERNEL, 0.1), (&guided_light_subpath::KERNEL, 0.05)]);
+        weights.push((&manifold::KERNEL, 0.5));
     }
     weights
 }

@@ -142,26 +142,38 @@ pub fn default_ensemble(software: bool, budget: Budget, [width, height]: [u32; 2
     (1 << paths.max(1).ilog2()).max(SOFTWARE_ENSEMBLE)
 }
 
+/// The exponent of the chains' target unless told otherwise. Half of the way to even samples halves emlt's relative error; mlt
+/// stays what Veach and others have (docs/kernels.md, "What two stages give").
+pub fn default_two_stage(method: Method) -> Option<f64> {
+    (method == Method::Emlt).then_some(0.5)
+}
+
 /// Mutations for each candidate of the start, and the fewest and most candidates there are by default.
-const MUTATIONS_A_CANDIDATE: f64 = 8.0;
-const MOST_CANDIDATES: u32 = 1 << 24;
+const MUTATIONS_A_CANDIDATE: f64 = 3.0;
+const MOST_CANDIDATES: u32 = 1 << 25;
+/// The fewest where the start is part of a time limit.
+const FEWEST_IN_TIME: u32 = 1 << 17;
+/// Mutations in whose time a candidate is made.
+const COST_OF_A_CANDIDATE: f64 = 1.6;
 /// Mutations a second to expect where the budget is a time.
 const SOFTWARE_RATE: f64 = 1e6;
 const GPU_RATE: f64 = 5e7;
 
-/// Candidates of the start unless told otherwise: an eighth of the mutations that will follow, at least a million. What the
-/// chains start from and b's first samples leave most of the error of a render that is not very long, so that a larger one
-/// needs a larger start; where its end is not known, it waits no longer than an interactive one may.
+/// Candidates of the start unless told otherwise: a third of the mutations that will follow, at least a million; then the
+/// start takes a quarter to a third of the time. What chains start from leaves most of the error of a render in which a path
+/// makes hundreds of mutations (docs/kernels.md, "How large a start"); where the end is not known, it waits no longer than
+/// an interactive one may.
 pub fn default_candidates(software: bool, budget: Budget, [width, height]: [u32; 2]) -> u32 {
     let rate = if software { SOFTWARE_RATE } else { GPU_RATE };
     let mutations = match budget {
         Budget::ENDLESS if software => 0.0,
-        Budget::ENDLESS => rate,
-        Budget::Seconds(s) => s * rate,
+        Budget::ENDLESS => 0.4 * rate,
+        Budget::Seconds(s) => s * rate / (1.0 + COST_OF_A_CANDIDATE / MUTATIONS_A_CANDIDATE),
         Budget::SamplesPerPixel(n) => f64::from(n) * f64::from(width) * f64::from(height),
     };
     let candidates = (mutations / MUTATIONS_A_CANDIDATE).min(f64::from(MOST_CANDIDATES)) as u32;
-    (1 << candidates.max(1).ilog2()).max(CANDIDATES)
+    let fewest = if matches!(budget, Budget::Seconds(_)) { FEWEST_IN_TIME } else { CANDIDATES };
+    (1 << candidates.max(1).ilog2()).max(fewest)
 }
 
 impl Default for Settings {
@@ -225,10 +237,11 @@ mod tests {
     fn starts_grow_with_the_budget() {
         let million = 1 << 20;
         let candidates = |software, spp| default_candidates(software, Budget::SamplesPerPixel(spp), [640, 480]);
-        assert_eq!([1, 27, 128, 100_000].map(|spp| candidates(true, spp)), [1, 1, 4, 16].map(|n| n * million));
-        assert_eq!(candidates(false, 128), 4 * million);
+        assert_eq!([1, 27, 128, 100_000].map(|spp| candidates(true, spp)), [1, 2, 8, 32].map(|n| n * million));
+        assert_eq!(candidates(false, 128), 8 * million);
         let unknown = [Budget::ENDLESS, Budget::Seconds(10.0), Budget::Seconds(60.0)];
-        assert_eq!(unknown.map(|budget| default_candidates(true, budget, [1, 1])), [1, 1, 4].map(|n| n * million));
-        assert_eq!(unknown.map(|budget| default_candidates(false, budget, [1, 1])), [4, 16, 16].map(|n| n * million));
+        assert_eq!(default_candidates(true, Budget::Seconds(0.5), [1, 1]), million / 8);
+        assert_eq!(unknown.map(|budget| default_candidates(true, budget, [1, 1])), [1, 2, 8].map(|n| n * million));
+        assert_eq!(unknown.map(|budget| default_candidates(false, budget, [1, 1])), [4, 32, 32].map(|n| n * million));
     }
 }

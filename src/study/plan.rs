@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::Study;
-use crate::methods::{Budget, Method, Settings};
+use crate::methods::{Budget, Method, Settings, default_two_stage};
 use crate::{Error, Result};
 
 /// The scenes that studies over all scenes take.
@@ -45,7 +45,9 @@ impl Asked {
     pub fn run(&self, scene: &str, variant: impl Into<String>, method: Method, seed: u32) -> Run {
         let [width, height] = self.size;
         let device = self.device.clone();
-        let settings = Settings { method, width, height, budget: self.budget, seed, device, ..Settings::default() };
+        let two_stage = default_two_stage(method);
+        let settings =
+            Settings { method, width, height, budget: self.budget, seed, device, two_stage, ..Settings::default() };
         Run { scene: scene.into(), variant: variant.into(), settings, kind: Kind::Image { kept: false } }
     }
 

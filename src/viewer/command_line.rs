@@ -6,7 +6,7 @@ use super::app::{Note, Viewer};
 use super::messages::Opened;
 use super::orbit::Orbit;
 use super::overlay::Layer;
-use crate::methods::{Direct, Method, Settings};
+use crate::methods::{Direct, Method, Settings, default_two_stage};
 
 impl Viewer {
     pub(super) fn copy_command_line(&mut self, ctx: &egui::Context) {
@@ -61,8 +61,8 @@ pub fn command_line(scene: &Opened, settings: &Settings, orbit: &Orbit, samples:
         if settings.direct == Direct::Pt {
             flag("direct", "pt".into());
         }
-        if let Some(gamma) = settings.two_stage {
-            flag("two-stage", gamma.to_string());
+        if settings.two_stage != default_two_stage(settings.method) {
+            flag("two-stage", settings.two_stage.unwrap_or(0.0).to_string());
         }
         if settings.guidance.guides != default.guidance.guides {
             flag("guides", settings.guidance.guides.to_string());
@@ -130,7 +130,8 @@ mod tests {
     fn defaults_that_hold_everywhere_are_left_out() {
         let scene = opened(&["Main"]);
         let orbit = Orbit::new(scene.cameras[0].clone(), scene.sphere);
-        let settings = Settings { width: 100, height: 10, ..Settings::default() };
+        let two_stage = default_two_stage(Settings::default().method);
+        let settings = Settings { width: 100, height: 10, two_stage, ..Settings::default() };
         let text = command_line(&scene, &settings, &orbit, 1999, false);
         assert_eq!(
             text,

@@ -59,6 +59,7 @@ fn emlt_repeats() {
             "guided-lens",
             "lens-subpath",
             "guided-light-subpath",
+            "manifold",
         ],
     );
 }

@@ -12,7 +12,7 @@ use emlt::gpu::layout::{COUNTER_WORDS, chain_rows};
 use emlt::gpu::run::{Buffer, PASS_SLOTS, Run, Sizes};
 use emlt::gpu::scene::SceneData;
 use emlt::kernels::{Kernel, guided_bidirectional};
-use emlt::methods::{Method, default_mix};
+use emlt::methods::{Method, default_mix, default_two_stage};
 use emlt::reference::rng;
 use emlt::scene::{Features, Scene};
 
@@ -36,12 +36,26 @@ fn places(run: &mut Run, half: usize) -> Vec<Place> {
     (0..n).map(|i| place([rows[i], rows[n + i], rows[2 * n + i]])).collect()
 }
 
+/// A mix as it is run.
+struct Mixed {
+    name: &'static str,
+    kernels: Vec<(&'static Kernel, f64)>,
+    /// Exponent of a two-stage target.
+    two_stage: Option<f64>,
+}
+
+impl Mixed {
+    fn of(method: Method) -> Self {
+        Self { name: method.name(), kernels: default_mix(method), two_stage: default_two_stage(method) }
+    }
+}
+
 /// Chains of one mix, by steps, from as many rounds as make `chains` of them.
-fn move_chains(context: &Context, scene: &Scene, kernels: &[(&'static Kernel, f64)], chains: usize) -> Vec<Paired> {
+fn move_chains(context: &Context, scene: &Scene, mixed: &Mixed, chains: usize) -> Vec<Paired> {
     let camera = scene.camera(None).unwrap();
     let data = SceneData::new(scene, camera, FILM[0], FILM[1]).unwrap();
     let features = Features::of(scene).seen_by(scene, camera);
-    let mix = Mix::new(kernels, features);
+    let mix = Mix::new(&mixed.kernels, features);
     let groups = Groups::new(PATHS, MOST_GROUPS);
     let sizes = Sizes {
         chains: 16 * chain_rows(MAX_EDGES) as u64 * u64::from(PATHS),
@@ -56,7 +70,7 @@ fn move_chains(context: &Context, scene: &Scene, kernels: &[(&'static Kernel, f6
             features,
             min_edges: 1,
             max_edges: MAX_EDGES,
-            two_stage: None,
+            two_stage: mixed.two_stage,
             candidates: 1 << 15,
             seed,
             groups,
@@ -75,14 +89,20 @@ fn move_chains(context: &Context, scene: &Scene, kernels: &[(&'static Kernel, f6
         // The rest are copies that only guide.
         let chosen: Vec<u32> = chosen.iter().copied().cycle().take(PATHS as usize).collect();
         start.fill(&mut run, &by, &chosen).unwrap();
-        let weight = |path: usize| if path < lit { candidates[chosen[path] as usize].weight() } else { 0.0 };
+        // I / density, over w of the two-stage target.
+        let weights: Vec<f64> = chosen[..lit]
+            .iter()
+            .map(|i| &candidates[*i as usize])
+            .map(|c| c.weight() / bootstrap.pixel_weights.as_ref().map_or(1.0, |w| w.at(c.pixel)))
+            .collect();
+        let weight = |path: usize| weights.get(path).copied().unwrap_or(0.0);
         run.clear(Buffer::Output);
         let build = Build {
             features,
             min_edges: 1,
             max_edges: MAX_EDGES,
             maps: false,
-            two_stage: false,
+            two_stage: mixed.two_stage.is_some(),
             guidance: Guidance::default(),
             seed,
             groups,
@@ -117,13 +137,13 @@ fn move_chains(context: &Context, scene: &Scene, kernels: &[(&'static Kernel, f6
 }
 
 /// Largest |z| of all bins and steps.
-fn check(context: &Context, scene: &Scene, name: &str, kernels: &[(&'static Kernel, f64)], chains: usize) -> f64 {
+fn check(context: &Context, scene: &Scene, mixed: &Mixed, chains: usize) -> f64 {
     let mut worst = 0.0f64;
-    for (steps, paired) in STEPS.iter().zip(move_chains(context, scene, kernels, chains)) {
+    for (steps, paired) in STEPS.iter().zip(move_chains(context, scene, mixed, chains)) {
         let z = paired.verdict();
         println!(
-            "{}, mix of {name}, {steps} steps of {} chains: worst |z| {:.2} in {} bins, chi2 / dof {:.2}",
-            scene.name, z.chains, z.worst, z.bins, z.chi2
+            "{}, mix of {}, {steps} steps of {} chains: worst |z| {:.2} in {} bins, chi2 / dof {:.2}",
+            scene.name, mixed.name, z.chains, z.worst, z.bins, z.chi2
         );
         worst = worst.max(z.worst);
     }
@@ -135,7 +155,7 @@ static WITHOUT_PLACES: Kernel = Kernel { flags: &["segment", "guided", "twin_pla
 
 /// A bin's error probability is 1e-6, all together of a million chains below 3e-3.
 fn check_default(context: &Context, scene: &Scene, method: Method, chains: usize) {
-    let z = check(context, scene, method.name(), &default_mix(method), chains);
+    let z = check(context, scene, &Mixed::of(method), chains);
     assert!(z < Z_LIMIT, "{}, {}: |z| = {z}", scene.name, method.name());
 }
 
@@ -151,10 +171,10 @@ fn the_mix_of_emlt_leaves_the_target_alone() {
 
 #[test]
 fn a_mix_with_a_broken_kernel_is_caught() {
-    let mut broken = default_mix(Method::Emlt);
+    let mut broken = Mixed { name: "a twin", ..Mixed::of(Method::Emlt) };
     // As often as mlt makes such mutations.
-    broken[1] = (&WITHOUT_PLACES, 0.15);
-    let z = check(&context(), &scene_of(SCENE), "a twin", &broken, 100_000);
+    broken.kernels[1] = (&WITHOUT_PLACES, 0.15);
+    let z = check(&context(), &scene_of(SCENE), &broken, 100_000);
     assert!(z > Z_LIMIT, "a mix with a broken kernel passes: |z| = {z}");
 }
 

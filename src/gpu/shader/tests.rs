@@ -76,6 +76,7 @@ fn every_shader_of_every_feature_set_validates() {
         ("path_trace", &[&[]]),
         ("bsdf_probe", &[&[], &["probe"]]),
         ("surface_probe", &[&[]]),
+        ("chain_probe", &[&["manifold"], &["manifold", "twin_flat"]]),
         (
             "light_side",
             &[
@@ -125,6 +126,15 @@ fn every_shader_of_every_feature_set_validates() {
                 &["multi_chain", "probe", "probe_density"],
                 &["multi_chain", "probe", "guided", "probe_density"],
                 &["jump", "twin_one_sided"],
+                &["multi_chain", "manifold"],
+                &["multi_chain", "manifold", "maps"],
+                &["multi_chain", "manifold", "two_stage"],
+                &["multi_chain", "manifold", "maps", "two_stage"],
+                &["multi_chain", "manifold", "probe"],
+                &["multi_chain", "manifold", "probe", "probe_back"],
+                &["multi_chain", "manifold", "probe", "probe_still"],
+                &["multi_chain", "manifold", "twin_spread"],
+                &["multi_chain", "manifold", "twin_way_back"],
                 &["multi_chain"],
                 &["multi_chain", "maps"],
                 &["multi_chain", "guided"],
