@@ -273,8 +273,9 @@ mod tests {
     #[test]
     fn no_flags_give_the_default_settings() {
         let settings = options("a.glb").settings(&camera(None), Settings::default().budget, true).unwrap();
-        // Settings alone do not follow the budget.
-        let default = Settings { candidates: 1 << 22, ..Settings::default() };
+        // Settings alone follow neither the budget nor the method.
+        let two_stage = default_two_stage(Method::Emlt);
+        let default = Settings { candidates: 1 << 23, two_stage, ..Settings::default() };
         assert_eq!(format!("{settings:?}"), format!("{default:?}"));
     }
 

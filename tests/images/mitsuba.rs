@@ -64,12 +64,12 @@ fn cornell_by_pt() {
 
 #[test]
 fn cornell_by_mlt() {
-    compare("cornell", CORNELL, FULL_DEPTH, Mlt, [120, 16], Power { film: 0.03, tile: 0.4 });
+    compare("cornell", CORNELL, FULL_DEPTH, Mlt, [60, 16], Power { film: 0.03, tile: 0.4 });
 }
 
 #[test]
 fn cornell_by_emlt() {
-    compare("cornell", CORNELL, FULL_DEPTH, Emlt, [120, 16], Power { film: 0.03, tile: 0.4 });
+    compare("cornell", CORNELL, FULL_DEPTH, Emlt, [60, 16], Power { film: 0.03, tile: 0.4 });
 }
 
 #[test]
@@ -79,12 +79,12 @@ fn coloured_box_by_pt() {
 
 #[test]
 fn coloured_box_by_mlt() {
-    compare("coloured_box", COLOURED_BOX, FULL_DEPTH, Mlt, [240, 16], Power { film: 0.03, tile: 0.2 });
+    compare("coloured_box", COLOURED_BOX, FULL_DEPTH, Mlt, [120, 16], Power { film: 0.03, tile: 0.2 });
 }
 
 #[test]
 fn coloured_box_by_emlt() {
-    compare("coloured_box", COLOURED_BOX, FULL_DEPTH, Emlt, [240, 16], Power { film: 0.03, tile: 0.2 });
+    compare("coloured_box", COLOURED_BOX, FULL_DEPTH, Emlt, [120, 16], Power { film: 0.03, tile: 0.2 });
 }
 
 const TEXTURED_BOX: &str = "tests/scenes/textured_box.glb";
@@ -97,12 +97,12 @@ fn textured_box_by_pt() {
 
 #[test]
 fn textured_box_by_mlt() {
-    compare("textured_box", TEXTURED_BOX, FULL_DEPTH, Mlt, [120, 16], Power { film: 0.03, tile: 0.3 });
+    compare("textured_box", TEXTURED_BOX, FULL_DEPTH, Mlt, [60, 16], Power { film: 0.03, tile: 0.3 });
 }
 
 #[test]
 fn textured_box_by_emlt() {
-    compare("textured_box", TEXTURED_BOX, FULL_DEPTH, Emlt, [120, 16], Power { film: 0.03, tile: 0.3 });
+    compare("textured_box", TEXTURED_BOX, FULL_DEPTH, Emlt, [60, 16], Power { film: 0.03, tile: 0.3 });
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn long_shards_at_4_edges_by_mlt() {
 
 #[test]
 fn shards_by_emlt() {
-    compare("shards_4_edges", SHARDS, 4, Emlt, [120, 16], Power { film: 0.01, tile: 0.25 });
+    compare("shards_4_edges", SHARDS, 4, Emlt, [60, 16], Power { film: 0.01, tile: 0.25 });
 }
 
 /// What is under the dome is there only for camera paths that hit the lamp by chance.

@@ -29,13 +29,13 @@ fn compare(name: &str, path: &str, method: Method, options: Options, [max_depth,
 #[test]
 fn coloured_box_with_direct_light_apart() {
     let power = Power { film: 0.03, tile: 0.2 };
-    compare("coloured_box", COLOURED_BOX, Emlt, DIRECT_APART, [FULL_DEPTH, 240], power);
+    compare("coloured_box", COLOURED_BOX, Emlt, DIRECT_APART, [FULL_DEPTH, 120], power);
 }
 
 #[test]
 fn coloured_box_in_two_stages() {
     let power = Power { film: 0.03, tile: 0.2 };
-    compare("coloured_box", COLOURED_BOX, Emlt, TWO_STAGE, [FULL_DEPTH, 240], power);
+    compare("coloured_box", COLOURED_BOX, Emlt, TWO_STAGE, [FULL_DEPTH, 120], power);
 }
 
 #[test]

@@ -92,7 +92,7 @@ fn chains_over_bent_surfaces_leave_the_target_alone() {
     let twins = [(&manifold::KERNEL, "twin_spread", 45_000)];
     let context = context();
     let mut bench = Bench::of(&context, &bent(scene_of(SPECULAR_SCENE)));
-    check_stationarity_on(&mut bench, "bent lamp in glass", &[&manifold::KERNEL], &twins, &FEWER);
+    check_stationarity_on(&mut bench, "bent lamp in glass", &[&manifold::KERNEL], &twins, &FEWER[2..]);
     let mut bench = Bench::of(&context, &bent(scene_of(GLOSSY)));
     check_stationarity_on(&mut bench, "bent glossy box", &[&manifold::KERNEL], &[], &RARE);
 }
@@ -104,10 +104,10 @@ fn no_step_is_taken_that_is_not_come_back_from() {
     let context = context();
     for (name, scene) in [("bent lamp in glass", SPECULAR_SCENE), ("bent glossy box", GLOSSY)] {
         let mut bench = Bench::of(&context, &bent(scene_of(scene)));
-        check_symmetry(&mut bench, name, &[&manifold::KERNEL], 200_000);
+        check_symmetry(&mut bench, name, &[&manifold::KERNEL], 100_000);
     }
     let mut bench = Bench::new(&context, SPECULAR_SCENE);
-    let (share, n) = asymmetric_share(&mut bench, &manifold::KERNEL, &["twin_way_back"], Guides::Other, 200_000);
+    let (share, n) = asymmetric_share(&mut bench, &manifold::KERNEL, &["twin_way_back"], Guides::Other, 50_000);
     println!("twin, without a look at the way back: {share:.2e} of {n} proposals asymmetric");
     assert!(share > 0.02, "the twin without a look at the way back passes: {share}");
 }

@@ -174,7 +174,7 @@ fn a_mix_with_a_broken_kernel_is_caught() {
     let mut broken = Mixed { name: "a twin", ..Mixed::of(Method::Emlt) };
     // As often as mlt makes such mutations.
     broken.kernels[1] = (&WITHOUT_PLACES, 0.15);
-    let z = check(&context(), &scene_of(SCENE), &broken, 100_000);
+    let z = check(&context(), &scene_of(SCENE), &broken, 300_000);
     assert!(z > Z_LIMIT, "a mix with a broken kernel passes: |z| = {z}");
 }
 

@@ -8,7 +8,7 @@ use crate::ensemble::pool::MAX_EDGES;
 /// Every combination of features with every flag set that the renderer uses, and some with those that its tests use.
 #[test]
 fn every_shader_of_every_feature_set_validates() {
-    let flag_sets: [(&str, &[&[&str]]); 14] = [
+    let flag_sets: [(&str, &[&[&str]]); 15] = [
         (
             "bidirectional",
             &[
