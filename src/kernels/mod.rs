@@ -152,6 +152,26 @@ mod tests {
         }
     }
 
+    /// A chain may end on a lamp, not in a sky.
+    #[test]
+    fn the_manifold_kernel_needs_a_place_behind_the_chain() {
+        let under = |sky, mixed| Features { mirror: true, sky, mixed, ..Default::default() };
+        let cases: [(&[Tag], [bool; 3]); 6] = [
+            (&[T, D], [true, false, true]),      // L S D E
+            (&[T, D, R], [true, false, true]),   // L S D S E
+            (&[D, T, D, T], [true, true, true]), // L D S D S E
+            (&[D, D, T], [false, false, false]), // L D D S E: what lens moves
+            (&[T, T], [false, false, false]),    // L S S E
+            (&[D], [false, false, false]),       // L D E
+        ];
+        for (tags, expected) in cases {
+            let key = TypeKey::from_tags(tags);
+            let applies =
+                [under(false, false), under(true, false), under(true, true)].map(|f| manifold::applies(key, f));
+            assert_eq!(applies, expected, "{tags:?}");
+        }
+    }
+
     /// Whatever its type, a path is moved by one of the two kernels at the camera.
     #[test]
     fn lens_or_multi_chain_applies_to_every_type() {
