@@ -10,7 +10,7 @@ use super::chain_film::{
     no_counts, pixels,
 };
 use super::session::{Part, Stage};
-use super::{Budget, Direct, Method, Outcome, Settings};
+use super::{Budget, Direct, Outcome, Settings, default_mix};
 use crate::ensemble::bootstrap::{self, BATCH, BATCH_BYTES, Bootstrap, Start, Starting};
 use crate::ensemble::groups::Groups;
 use crate::ensemble::mix::Mix;
@@ -23,30 +23,8 @@ use crate::gpu::layout::{chain_rows, counter_bytes};
 use crate::gpu::pipelines::{Built, Compilation};
 use crate::gpu::run::{Buffer, PASS_SLOTS, Run, Sizes};
 use crate::gpu::scene::GpuScene;
-use crate::kernels::{
-    Kernel, bidirectional, caustic, guided_bidirectional, guided_lens, guided_light_subpath, independence, lens,
-    lens_subpath, manifold, multi_chain,
-};
 use crate::report::statistics::Statistics;
 use crate::scene::Features;
-
-/// The kernels of a method with their weights (docs/kernels.md says how they were chosen).
-pub fn default_mix(method: Method) -> Vec<(&'static Kernel, f64)> {
-    let guided = method == Method::Emlt;
-    let mut weights = vec![
-        (&independence::KERNEL, 0.05),
-        if guided { (&guided_bidirectional::KERNEL, 0.05) } else { (&bidirectional::KERNEL, 0.15) },
-        (&lens::KERNEL, 1.0),
-        (&multi_chain::KERNEL, 1.0),
-        (&caustic::KERNEL, 1.0),
-    ];
-    if guided {
-        weights.push((&guided_lens::KERNEL, 0.5));
-        weights.extend([(&lens_subpath::KERNEL, 0.1), (&guided_light_subpath::KERNEL, 0.05)]);
-        weights.push((&manifold::KERNEL, 0.5));
-    }
-    weights
-}
 
 /// Share of a time limit that is left to the chains, however long their start took.
 const LEAST_RENDERING: f64 = 0.25;

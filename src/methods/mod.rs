@@ -12,13 +12,15 @@ use crate::ensemble::groups::MOST_GROUPS;
 use crate::ensemble::guidance::Guidance;
 use crate::film::uncertainty::Uncertainty;
 use crate::film::{Channel, Image};
-use crate::kernels::Kernel;
+use crate::kernels::{
+    Kernel, bidirectional, caustic, guided_bidirectional, guided_lens, guided_light_subpath, independence, lens,
+    lens_subpath, manifold, multi_chain,
+};
 pub use crate::report::observer::{Observer, Silent};
 use crate::report::statistics::Statistics;
 use crate::scene::material::GLOSSY_AS_SPECULAR_ALPHA;
 use crate::scene::{Camera, Lens};
 pub use chain_film::ACCEPTANCE;
-pub use chains::default_mix;
 pub(crate) use render::render_since;
 pub use render::{render, render_on};
 pub use session::{Prepared, Session, Stage};
@@ -74,7 +76,8 @@ pub enum Direct {
 pub enum Budget {
     /// Mutations per pixel (mlt, emlt) or samples per pixel (pt).
     SamplesPerPixel(u32),
-    /// Wall-clock seconds of rendering, the chains' start among them, set-up not counted. Chains have a quarter of it at least.
+    /// Wall-clock seconds of rendering, the chains' start among them, set-up not counted. Chains have a quarter of it at
+    /// least.
     Seconds(f64),
 }
 
@@ -142,8 +145,29 @@ pub fn default_ensemble(software: bool, budget: Budget, [width, height]: [u32; 2
     (1 << paths.max(1).ilog2()).max(SOFTWARE_ENSEMBLE)
 }
 
-/// The exponent of the chains' target unless told otherwise. Half of the way to even samples halves emlt's relative error; mlt
-/// stays what Veach and others have (docs/kernels.md, "What two stages give").
+/// The kernels of a method with their weights (docs/kernels.md says how they were chosen).
+pub fn default_mix(method: Method) -> Vec<(&'static Kernel, f64)> {
+    let guided = method == Method::Emlt;
+    let mut weights = vec![
+        (&independence::KERNEL, 0.05),
+        if guided { (&guided_bidirectional::KERNEL, 0.05) } else { (&bidirectional::KERNEL, 0.15) },
+        (&lens::KERNEL, 1.0),
+        (&multi_chain::KERNEL, 1.0),
+        (&caustic::KERNEL, 1.0),
+    ];
+    if guided {
+        weights.extend([
+            (&guided_lens::KERNEL, 0.5),
+            (&lens_subpath::KERNEL, 0.1),
+            (&guided_light_subpath::KERNEL, 0.05),
+            (&manifold::KERNEL, 0.5),
+        ]);
+    }
+    weights
+}
+
+/// The exponent of the chains' target unless told otherwise: half of the way to even samples lowers emlt's relative error where
+/// a picture has dark parts; mlt stays what Veach and others have (docs/kernels.md, "What two stages give").
 pub fn default_two_stage(method: Method) -> Option<f64> {
     (method == Method::Emlt).then_some(0.5)
 }
@@ -160,7 +184,7 @@ const SOFTWARE_RATE: f64 = 1e6;
 const GPU_RATE: f64 = 5e7;
 
 /// Candidates of the start unless told otherwise: a third of the mutations that will follow, at least a million; then the
-/// start takes a quarter to a third of the time. What chains start from leaves most of the error of a render in which a path
+/// start takes a fifth to a half of the time. What chains start from leaves most of the error of a render in which a path
 /// makes hundreds of mutations (docs/kernels.md, "How large a start"); where the end is not known, it waits no longer than
 /// an interactive one may.
 pub fn default_candidates(software: bool, budget: Budget, [width, height]: [u32; 2]) -> u32 {
