@@ -66,23 +66,25 @@ fn bent(mut scene: Scene) -> Scene {
     scene
 }
 
-/// On glass and metal, smooth and with lobes that are passed with kept half-vectors, flat and bent; through thin panes and
-/// coats too. The twin takes bent surfaces for flat ones.
+/// On bent glass and metal, smooth and with lobes that are passed with kept half-vectors, and through thin panes. The twin takes
+/// bent surfaces for flat ones.
 #[test]
 fn derivatives_are_those_of_chains_that_are_followed() {
     let context = context();
+    // With the least share by which the twin has to be told: what goes straight through a pane is bent by nothing.
     let scenes = [
-        ("bent lamp in glass", bent(scene_of(SPECULAR_SCENE))),
-        ("bent glossy box", bent(scene_of(GLOSSY))),
-        ("bent glazed room", bent(rooms::glazed_room())),
+        ("bent lamp in glass", bent(scene_of(SPECULAR_SCENE)), 0.9),
+        ("bent glossy box", bent(scene_of(GLOSSY)), 0.9),
+        ("bent glazed room", bent(rooms::glazed_room()), 0.9),
+        ("bent polished room", bent(rooms::polished_room()), 0.2),
     ];
-    for (name, scene) in scenes {
+    for (name, scene, told) in scenes {
         let mut bench = Bench::of(&context, &scene);
         let shares = [&[][..], &["twin_flat"]].map(|flags| differing(&mut bench, flags));
         println!("{name}: {shares:.4?}");
         // Neighbours of a few go by another face.
         assert!(shares[0] < 0.02, "{name}: {shares:?}");
-        assert!(shares[1] > 0.9, "{name}: the twin that takes bent surfaces for flat ones passes: {shares:?}");
+        assert!(shares[1] > told, "{name}: the twin that takes bent surfaces for flat ones passes: {shares:?}");
     }
 }
 
