@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use emlt::ensemble::mix::Mix;
 use emlt::film::{Image, exr, metrics};
-use emlt::methods::{Budget, Method, Settings, Silent, default_candidates, default_two_stage, render};
+use emlt::methods::{Budget, Method, Settings, Silent, default_candidates, default_direct, default_two_stage, render};
 use emlt::scene::import::import;
 
 #[derive(Parser)]
@@ -92,6 +92,7 @@ fn run(arguments: &Arguments) -> emlt::Result<()> {
                 budget,
                 seed,
                 two_stage: default_two_stage(method),
+                direct: default_direct(method, mix.is_some()),
                 candidates: default_candidates(true, budget, [width, height]),
                 kernels: mix.clone(),
                 ..Settings::default()

@@ -10,7 +10,8 @@ use crate::ensemble::guidance::{Guidance, MOST_GUIDES};
 use crate::ensemble::mix::Mix;
 use crate::ensemble::pool::MAX_EDGES;
 use crate::methods::{
-    Budget, Direct, MAX_SIDE, Method, Settings, default_candidates, default_ensemble, default_size, default_two_stage,
+    Budget, Direct, MAX_SIDE, Method, Settings, default_candidates, default_direct, default_ensemble, default_size,
+    default_two_stage,
 };
 use crate::scene::environment;
 use crate::scene::import::import;
@@ -89,9 +90,10 @@ pub struct Options {
     #[arg(long, value_enum, default_value_t = Resemblance::Positions)]
     pub similarity: Resemblance,
 
-    /// Who renders direct light, paths of at most 2 edges (mlt, emlt)
-    #[arg(long, value_enum, default_value_t = Direct::Mcmc)]
-    pub direct: Direct,
+    /// Who renders direct light, paths of at most 2 edges (mlt, emlt) [default: auto for emlt, but mcmc where maps or a mix of
+    /// kernels are asked for; mcmc for mlt]
+    #[arg(long, value_enum)]
+    pub direct: Option<Direct>,
 
     /// Give dark parts more samples: as many as luminance to the power 1 - GAMMA, from 0 to 1 (mlt, emlt) [default: 0.5 for
     /// emlt, 0 for mlt]
@@ -153,10 +155,8 @@ impl Options {
         if maps {
             return Err(Error::input("--maps needs --method emlt or mlt: path tracing makes no mutations"));
         }
-        if self.direct == Direct::Pt {
-            return Err(Error::input(
-                "--direct pt needs --method emlt or mlt: with --method pt all light is path traced",
-            ));
+        if self.direct.is_some_and(|direct| direct != Direct::Mcmc) {
+            return Err(Error::input("--direct needs --method emlt or mlt: with --method pt all light is path traced"));
         }
         if self.two_stage.is_some() {
             return Err(Error::input("--two-stage needs --method emlt or mlt: path tracing has no chains to steer"));
@@ -189,7 +189,8 @@ impl Options {
     }
 
     /// The settings for a film that fits `camera`, on a software device or a GPU.
-    pub fn settings(&self, camera: &Camera, budget: Budget, software: bool) -> Result<Settings> {
+    /// `maps` is whether the maps of the chains are wanted.
+    pub fn settings(&self, camera: &Camera, budget: Budget, software: bool, maps: bool) -> Result<Settings> {
         let (width, height) = self.size.unwrap_or_else(|| default_size(camera));
         Ok(Settings {
             budget,
@@ -209,7 +210,8 @@ impl Options {
                 alpha: self.alpha.map_or(Guidance::default().alpha, |alpha| [alpha; 2]),
                 normals: self.similarity == Resemblance::Normals,
             },
-            direct: self.direct,
+            direct: self.direct.unwrap_or_else(|| default_direct(self.method, maps || self.kernels.is_some())),
+            maps,
             two_stage: self.two_stage.or_else(|| default_two_stage(self.method)),
             device: self.device.clone(),
             ..Settings::default()
@@ -272,17 +274,18 @@ mod tests {
 
     #[test]
     fn no_flags_give_the_default_settings() {
-        let settings = options("a.glb").settings(&camera(None), Settings::default().budget, true).unwrap();
+        let settings = options("a.glb").settings(&camera(None), Settings::default().budget, true, false).unwrap();
         // Settings alone follow neither the budget nor the method.
         let two_stage = default_two_stage(Method::Emlt);
-        let default = Settings { candidates: 1 << 23, two_stage, ..Settings::default() };
+        let direct = default_direct(Method::Emlt, false);
+        let default = Settings { candidates: 1 << 23, two_stage, direct, ..Settings::default() };
         assert_eq!(format!("{settings:?}"), format!("{default:?}"));
     }
 
     #[test]
     fn the_size_follows_the_camera_unless_given() {
         let size = |words, aspect| {
-            let settings = options(words).settings(&camera(aspect), Budget::ENDLESS, true).unwrap();
+            let settings = options(words).settings(&camera(aspect), Budget::ENDLESS, true, false).unwrap();
             (settings.width, settings.height)
         };
         assert_eq!(size("a.glb", Some(16.0 / 9.0)), (853, 480));
@@ -311,7 +314,7 @@ mod tests {
         let flat = Camera { name: "flat".into(), orthographic_height: Some(1.0), ..camera(None) };
         let scene = Scene { cameras: vec![camera(None), flat], ..Scene::default() };
         let view = |words: &str| options(words).view(&scene);
-        let asked = |words: &str| options(words).settings(&camera(None), Budget::ENDLESS, true).unwrap().lens;
+        let asked = |words: &str| options(words).settings(&camera(None), Budget::ENDLESS, true, false).unwrap().lens;
         let lens = |aperture, focus| Some(Lens { aperture, focus });
         assert_eq!(asked("a.glb"), None);
         assert_eq!(asked("a.glb --aperture 0.02 --focus 3"), lens(0.02, 3.0));

@@ -79,9 +79,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let context = Context::open(arguments.options.device.as_deref())?;
     let settings = Settings {
         target_error: arguments.target_error,
-        maps: arguments.maps,
         camera: None,
-        ..arguments.options.settings(&camera, budget, context.software)?
+        ..arguments.options.settings(&camera, budget, context.software, arguments.maps)?
     };
     scene.cameras.insert(0, camera);
     let reference = arguments.reference.as_deref().map(|path| reference(path, &settings)).transpose()?;

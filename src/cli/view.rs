@@ -36,7 +36,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let scene = options.read_scene()?;
     let camera = options.view(&scene)?;
     let device = context::find(options.device.as_deref())?;
-    let settings = options.settings(&camera, Budget::ENDLESS, device.software)?;
+    // The window shows the maps.
+    let settings = options.settings(&camera, Budget::ENDLESS, device.software, true)?;
     if let Some(path) = reference {
         exr::read(path)?;
     }

@@ -4,10 +4,12 @@ use std::mem;
 
 use rayon::prelude::*;
 
+pub use super::candidate::{Candidate, Mean};
+use super::candidate::{rays, waited_for, weight};
 use super::groups::Groups;
-use super::pool::TypeKey;
+use super::path_traced::{Direct, Easy, PathTraced};
 use super::seeds::Lit;
-use super::strategies::{INDIRECT_EDGES, Strategies};
+use super::strategies::Strategies;
 use super::two_stage::PixelWeights;
 use super::type_shares::TypeShares;
 use crate::gpu::layout::PassUniform;
@@ -26,72 +28,17 @@ const PILOTS: [u32; 2] = [1 << 15, 1 << 15];
 const TWO_STAGE_PILOTS: [u32; 2] = [1 << 15, 1 << 17];
 /// Candidates a dispatch.
 pub const BATCH: u32 = 1 << 16;
-/// Invocations that wait for the slowest among them: the lanes of a processor's vectors. GPUs have 32 and more.
-const LOCKSTEP: usize = 8;
+/// Candidates of a round, about: each has its share of all strategies, so that a start may end after any.
+const ROUND: u32 = 1 << 17;
+/// Bytes of the output buffer that a batch needs.
+pub const BATCH_BYTES: u64 = BATCH as u64 * size_of::<Candidate>() as u64;
 /// Words of `lists` a candidate takes.
 pub const LIST_WORDS: u32 = 3;
+/// The path tracer's share of the time after the start where it has direct light alone.
+const DIRECT_TIME_SHARE: f64 = 0.15;
 /// Pass indices of the pilot and of the candidates: apart from those of mutations, which count up from 0.
 const PILOT_PASSES: [u32; 2] = [0x8000_0000, 0x8000_0002];
 pub const CANDIDATE_PASS: u32 = 0x8000_0001;
-
-/// Running mean of independent samples of b, with the scatter that gives its standard error.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Mean {
-    pub count: f64,
-    pub sum: f64,
-    pub sum_of_squares: f64,
-}
-
-impl Mean {
-    pub fn add(&mut self, value: f64) {
-        self.count += 1.0;
-        self.sum += value;
-        self.sum_of_squares += value * value;
-    }
-
-    pub fn mean(&self) -> f64 {
-        self.sum / self.count.max(1.0)
-    }
-
-    /// Standard error of the mean.
-    pub fn standard_error(&self) -> f64 {
-        let variance = (self.sum_of_squares / self.count.max(1.0) - self.mean().powi(2)).max(0.0);
-        (variance / (self.count - 1.0).max(1.0)).sqrt()
-    }
-}
-
-/// One candidate as the device reports it.
-#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct Candidate {
-    /// log(I / density), -1e30 where I = 0.
-    pub log_weight: f32,
-    pub pixel: [f32; 2],
-    pub rays: f32,
-    /// Of a candidate that carries light.
-    key: [u32; 4],
-}
-
-/// From the log of a weight to the weight; what is not finite counts as black.
-pub(super) fn weight(log_weight: f64) -> f64 {
-    let w = log_weight.exp();
-    if w.is_finite() { w } else { 0.0 }
-}
-
-/// Bytes of the output buffer that a batch needs.
-pub const BATCH_BYTES: u64 = BATCH as u64 * size_of::<Candidate>() as u64;
-
-impl Candidate {
-    /// Type of a candidate that carries light.
-    pub fn key(&self) -> Option<TypeKey> {
-        TypeKey::from_words(self.key)
-    }
-
-    /// I / density: a sample of b.
-    pub fn weight(&self) -> f64 {
-        weight(self.log_weight.into())
-    }
-}
 
 /// What the start leaves: the paths themselves are in the chains.
 pub struct Bootstrap {
@@ -116,8 +63,10 @@ pub struct Bootstrap {
 #[derive(Debug, Clone, Copy)]
 pub struct Start {
     pub features: Features,
-    /// 1, or [`INDIRECT_EDGES`] where direct light is made apart.
-    pub min_edges: u32,
+    /// Who renders easy light.
+    pub direct: Direct,
+    /// Row of the chains' buffer at which a map of photons is to be laid, where it may help.
+    pub photon_row: Option<u32>,
     pub max_edges: u32,
     /// Exponent of a two-stage target.
     pub two_stage: Option<f64>,
@@ -130,13 +79,32 @@ pub struct Start {
     pub film: [u32; 2],
 }
 
+/// What a start finds out first, on which candidates and chains depend ever after.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Given {
+    /// What is left to the path tracer, and so has no candidates.
+    pub path_traced: PathTraced,
+    /// Row of the chains' buffer at which the map of photons begins, if there is one.
+    pub photons: Option<u32>,
+}
+
+impl Given {
+    /// Tells the shaders of a pass.
+    pub fn set(self, uniform: PassUniform) -> PassUniform {
+        PassUniform { photons_first: self.photons.unwrap_or(0), ..self.path_traced.set(uniform) }
+    }
+}
+
 /// Candidates on their way, a batch at a time.
 struct Draw {
     strategies: Strategies,
+    given: Given,
     pass_index: u32,
     /// Of the systematic draw of strategies.
     offset: f64,
     count: u32,
+    /// After so many all strategies have had their share, and it begins anew.
+    round: u32,
     made: u32,
     batch: Vec<Candidate>,
 }
@@ -148,7 +116,7 @@ impl Draw {
 
     /// The strategy of candidate `i`.
     fn strategy(&self, i: u32) -> [u32; 2] {
-        self.strategies.systematic_at(i, self.count, self.offset)
+        self.strategies.systematic_at(i % self.round.max(1), self.round, self.offset)
     }
 }
 
@@ -179,6 +147,9 @@ impl Made {
 
 /// A start on its way: first the pilots' candidates, then those that count.
 pub struct Starting {
+    wants_photons: bool,
+    /// The path tracer's of the time after the start.
+    time_share: f64,
     pixel_weights: Option<PixelWeights>,
     made: Made,
     /// That count.
@@ -198,22 +169,32 @@ impl Starting {
         before / (sum(&self.pilots) + f64::from(self.candidates))
     }
 
+    /// What is known of the light; all of it once the pilots are done.
+    pub fn given(&self) -> Given {
+        self.draw.given
+    }
+
+    /// The path tracer's share of the time after the start, where it has anything to do.
+    pub fn time_share(&self) -> f64 {
+        self.time_share
+    }
+
+    /// Ends with the round that is under way: what is made so far is enough.
+    pub fn hurry(&mut self) {
+        let Draw { round, made, count, .. } = &mut self.draw;
+        if self.round == self.pilots.len() && *made > 0 {
+            *count = (*count).min(made.next_multiple_of(*round));
+        }
+    }
+
     fn is_done(&self) -> bool {
         self.round == self.pilots.len() && self.draw.is_done()
     }
 }
 
-/// Per candidate, the rays of the slowest one among those that run in lockstep with it.
-fn waited_for(candidates: &[Candidate]) -> impl Iterator<Item = f64> + '_ {
-    candidates.chunks(LOCKSTEP).flat_map(|group| {
-        let slowest = group.iter().map(|c| c.rays).fold(0.0, f32::max);
-        group.iter().map(move |_| f64::from(slowest))
-    })
-}
-
 /// The pipeline of the start.
-pub fn variant(features: Features, min_edges: u32, max_edges: u32) -> Variant {
-    let flags = if min_edges == INDIRECT_EDGES { vec!["indirect"] } else { vec![] };
+pub fn variant(features: Features, direct: Direct, photons: bool, max_edges: u32) -> Variant {
+    let flags = direct.flag().into_iter().chain(photons.then_some("photons")).collect();
     Variant { pass: "bootstrap", features, max_edges, flags }
 }
 
@@ -229,19 +210,36 @@ impl Start {
     /// Begins what [`Self::run`] does at once; nothing is made yet.
     pub fn begin(&self, run: &Run) -> Starting {
         let strategies = self.even();
-        let pilots = if self.two_stage.is_some_and(|gamma| gamma > 0.0) { TWO_STAGE_PILOTS } else { PILOTS };
+        let maps = self.direct == Direct::Auto || self.two_stage.is_some_and(|gamma| gamma > 0.0);
+        let pilots = if maps { TWO_STAGE_PILOTS } else { PILOTS };
         let pilots = pilots.map(|count| count.min(self.candidates));
-        let draw = self.draw(run, strategies, pilots[0], PILOT_PASSES[0]);
-        Starting { pixel_weights: None, made: Made::default(), candidates: self.candidates, pilots, round: 0, draw }
+        let draw = self.draw(run, strategies, self.given(), pilots[0], PILOT_PASSES[0]);
+        Starting {
+            wants_photons: self.photon_row.is_some(),
+            time_share: DIRECT_TIME_SHARE,
+            pixel_weights: None,
+            made: Made::default(),
+            candidates: self.candidates,
+            pilots,
+            round: 0,
+            draw,
+        }
     }
 
     /// Strategies before anything is known.
     fn even(&self) -> Strategies {
-        Strategies::uniform(self.min_edges..=self.max_edges, self.features.sky && !self.features.mixed)
+        Strategies::uniform(self.direct.min_edges()..=self.max_edges, self.features.sky && !self.features.mixed)
     }
 
     /// Makes one batch of candidates; whether more are to be made.
     pub fn step(&self, run: &mut Run, starting: &mut Starting) -> crate::Result<bool> {
+        if mem::take(&mut starting.wants_photons) {
+            starting.draw.given.photons = self.lay_photons(run)?;
+            return Ok(true);
+        }
+        if starting.is_done() {
+            return Ok(false);
+        }
         let Starting { made, draw, round, pilots, .. } = starting;
         let first = draw.made;
         self.batch(run, draw)?;
@@ -253,22 +251,39 @@ impl Start {
         made.pilot.extend_from_slice(&draw.batch);
         if draw.is_done() {
             let pilot = mem::take(&mut made.pilot);
+            let path_traced = match self.direct {
+                // Of the last pilot, which is the largest.
+                Direct::Auto if *round + 1 == pilots.len() => {
+                    let easy = Easy::chosen(self.film, self.features, self.max_edges, &pilot);
+                    starting.time_share = easy.time_share;
+                    easy.path_traced
+                }
+                _ => draw.given.path_traced,
+            };
+            let given = Given { path_traced, ..draw.given };
+            let left = |candidate: &Candidate| {
+                let own = candidate.key().is_some_and(|key| !path_traced.has(key));
+                if own { candidate.weight() } else { 0.0 }
+            };
             let drawn = (0..).zip(&pilot).zip(waited_for(&pilot));
-            let strategies = draw.strategies.adapted(
-                drawn.map(|((i, candidate), rays)| (draw.strategy(i), candidate.weight(), rays)),
-                &self.even(),
-            );
+            let strategies = draw
+                .strategies
+                .adapted(drawn.map(|((i, candidate), rays)| (draw.strategy(i), left(candidate), rays)), &self.even());
             starting.pixel_weights = self.two_stage.map(|gamma| {
                 let splats: Vec<_> = pilot.iter().map(|candidate| (candidate.pixel, candidate.weight())).collect();
                 PixelWeights::from_pilot(self.film, gamma, &splats)
             });
             *round += 1;
+            if path_traced.is_all(self.max_edges) {
+                // Nothing is left to start chains from.
+                starting.candidates = 0;
+            }
             *draw = match pilots.get(*round) {
-                Some(count) => self.draw(run, strategies, *count, PILOT_PASSES[*round]),
-                None => self.draw(run, strategies, starting.candidates, CANDIDATE_PASS),
+                Some(count) => self.draw(run, strategies, given, *count, PILOT_PASSES[*round]),
+                None => self.draw(run, strategies, given, starting.candidates, CANDIDATE_PASS),
             };
         }
-        Ok(true)
+        Ok(!starting.is_done())
     }
 
     /// Chooses the seeds among the candidates, once all are made, and fills the chains.
@@ -286,38 +301,42 @@ impl Start {
         let largest_share = weights.iter().copied().fold(0.0, f64::max) / target.sum;
         let types = TypeShares::of_start(lit.iter().map(|lit| lit.key).zip(weights.iter().copied()));
         let (chosen, shared) = self.choose(&lit, &weights);
-        self.fill_with(run, chosen.iter().map(|&i| (draw.strategy(i), i)))?;
+        self.fill_with(run, draw.given, chosen.iter().map(|&i| (draw.strategy(i), i)))?;
         let strategies = draw.strategies;
         Ok(Some(Bootstrap { strategies, b, target, pixel_weights, rays, largest_share, non_finite, shared, types }))
     }
 
-    /// Makes `count` candidates, with their strategies; systematic over strategies, so neighbours share one.
+    /// Makes about `count` candidates, with their strategies; systematic over strategies, so neighbours share one.
     pub fn candidates(
         &self,
         run: &mut Run,
         strategies: &Strategies,
+        given: Given,
         count: u32,
         pass_index: u32,
     ) -> crate::Result<(Vec<Candidate>, Vec<[u32; 2]>)> {
-        let mut draw = self.draw(run, strategies.clone(), count, pass_index);
+        let mut draw = self.draw(run, strategies.clone(), given, count, pass_index);
         let mut candidates = Vec::with_capacity(count as usize);
         while !draw.is_done() {
             self.batch(run, &mut draw)?;
             candidates.extend_from_slice(&draw.batch);
         }
-        let strategies = (0..count).map(|i| draw.strategy(i)).collect();
+        let strategies = (0..draw.count).map(|i| draw.strategy(i)).collect();
         Ok((candidates, strategies))
     }
 
-    fn draw(&self, run: &Run, strategies: Strategies, count: u32, pass_index: u32) -> Draw {
+    fn draw(&self, run: &Run, strategies: Strategies, given: Given, count: u32, pass_index: u32) -> Draw {
         run.set_strategies(&strategies.log_table());
         let offset = rng::uniform(rng::random_words(self.seed, 0, pass_index, u32::MAX)[0]);
-        Draw { strategies, pass_index, offset, count, made: 0, batch: Vec::new() }
+        let round = count / (count / ROUND).max(1);
+        let count = count - count % round.max(1);
+        Draw { strategies, given, pass_index, offset, count, round, made: 0, batch: Vec::new() }
     }
 
     fn batch(&self, run: &mut Run, draw: &mut Draw) -> crate::Result<()> {
         let first = draw.made;
-        let entries = BATCH.min(draw.count - first);
+        // No further than the end of a round.
+        let entries = BATCH.min(draw.round - first % draw.round.max(1)).min(draw.count - first);
         let words: Vec<[u32; 3]> = (first..first + entries)
             .into_par_iter()
             .map(|i| {
@@ -326,14 +345,8 @@ impl Start {
             })
             .collect();
         run.set_lists(words.as_flattened());
-        let variant = variant(self.features, self.min_edges, self.max_edges);
-        let uniform = PassUniform {
-            entries,
-            pass_index: draw.pass_index,
-            seed: self.seed,
-            stride: self.stride,
-            ..Default::default()
-        };
+        let variant = variant(self.features, self.direct, self.photon_row.is_some(), self.max_edges);
+        let uniform = PassUniform { entries, pass_index: draw.pass_index, ..self.uniform(draw.given) };
         run.submit(&[Dispatch { variant, uniform }])?;
         let bytes = run.read(Buffer::Output, 0..size_of::<Candidate>() as u64 * u64::from(entries))?;
         draw.batch = bytemuck::cast_slice(&bytes).to_vec();
@@ -342,28 +355,32 @@ impl Start {
     }
 
     /// Makes the chosen candidates again, into the chains from the first on.
-    pub fn fill(&self, run: &mut Run, list: &[[u32; 2]], chosen: &[u32]) -> crate::Result<()> {
-        self.fill_with(run, chosen.iter().map(|&i| (list[i as usize], i)))
+    pub fn fill(&self, run: &mut Run, given: Given, list: &[[u32; 2]], chosen: &[u32]) -> crate::Result<()> {
+        self.fill_with(run, given, chosen.iter().map(|&i| (list[i as usize], i)))
     }
 
     /// The same of candidates given by strategy and number.
-    fn fill_with(&self, run: &mut Run, chosen: impl Iterator<Item = ([u32; 2], u32)>) -> crate::Result<()> {
+    fn fill_with(
+        &self,
+        run: &mut Run,
+        given: Given,
+        chosen: impl Iterator<Item = ([u32; 2], u32)>,
+    ) -> crate::Result<()> {
         let words: Vec<[u32; 3]> = chosen.map(|([edges, light], i)| [edges, light, i]).collect();
         run.set_lists(words.as_flattened());
-        let variant = variant(self.features, self.min_edges, self.max_edges);
-        let uniform = PassUniform {
-            entries: words.len() as u32,
-            pass_index: CANDIDATE_PASS,
-            keep: 1,
-            seed: self.seed,
-            stride: self.stride,
-            ..Default::default()
-        };
+        let variant = variant(self.features, self.direct, self.photon_row.is_some(), self.max_edges);
+        let uniform =
+            PassUniform { entries: words.len() as u32, pass_index: CANDIDATE_PASS, keep: 1, ..self.uniform(given) };
         run.submit(&[Dispatch { variant, uniform }])
     }
-}
 
-/// Rays that candidates took, all together.
-fn rays(candidates: &[Candidate]) -> u64 {
-    candidates.iter().map(|c| c.rays as u64).sum()
+    /// What is known before the start.
+    pub(super) fn given(&self) -> Given {
+        Given { path_traced: self.direct.path_traced(), photons: None }
+    }
+
+    /// The fields that all passes of the start have alike.
+    pub(super) fn uniform(&self, given: Given) -> PassUniform {
+        given.set(PassUniform { seed: self.seed, stride: self.stride, ..Default::default() })
+    }
 }

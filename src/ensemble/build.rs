@@ -1,9 +1,10 @@
 //! The pipelines of a run: what its shaders are compiled for, besides the kernel.
 
+use super::bootstrap::Given;
 use super::groups::Groups;
 use super::guidance::Guidance;
 use super::mix::{HALF_SWEEP, Mix};
-use super::strategies::INDIRECT_EDGES;
+use super::path_traced::Direct;
 use crate::gpu::layout::PassUniform;
 use crate::gpu::shader::Variant;
 use crate::kernels::Family;
@@ -13,8 +14,12 @@ use crate::scene::Features;
 #[derive(Debug, Clone, Copy)]
 pub struct Build {
     pub features: Features,
-    /// 1, or [`INDIRECT_EDGES`] where direct light is made apart.
-    pub min_edges: u32,
+    /// Who renders easy light.
+    pub direct: Direct,
+    /// Whether there may be a map of photons.
+    pub photons: bool,
+    /// What the start has found out.
+    pub given: Given,
     pub max_edges: u32,
     pub maps: bool,
     /// Whether the chains' target is I / w.
@@ -35,9 +40,12 @@ impl Build {
         if pass == "gather" || flags.contains(&"guided") {
             flags.extend(self.guidance.flags());
         }
-        // The other passes keep types, or draw lengths in range.
-        if self.min_edges == INDIRECT_EDGES && ["independence", "subpath"].contains(&pass) {
-            flags.push("indirect");
+        if ["independence", "weigh"].contains(&pass) {
+            flags.extend(self.photons.then_some("photons"));
+        }
+        // The other passes keep types.
+        if ["independence", "bidirectional", "subpath", "crossover"].contains(&pass) {
+            flags.extend(self.direct.flag());
         }
         Variant { pass, features: self.features, max_edges: self.max_edges, flags }
     }
@@ -58,12 +66,12 @@ impl Build {
 
     /// The fields that every pass of the run has alike.
     pub(super) fn uniform(&self) -> PassUniform {
-        self.guidance.of_run(PassUniform {
+        self.guidance.of_run(self.given.set(PassUniform {
             seed: self.seed,
             stride: self.groups.paths(),
             group_paths: self.groups.group_paths(),
             ..Default::default()
-        })
+        }))
     }
 }
 

@@ -20,7 +20,7 @@ pub const fn walk(edges: u32) -> [u32; 2] {
 
 /// Step between the limits of walks.
 const WALK_STEP: u32 = 4;
-/// Edges of the shortest path that is not direct light. Twin in shaders/target/contribution.wesl.
+/// Edges of the shortest path that is not direct light.
 pub const INDIRECT_EDGES: u32 = 3;
 /// Share of all walks before anything is known.
 const WALK_SHARE: f64 = 0.25;

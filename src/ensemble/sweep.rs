@@ -215,7 +215,7 @@ impl Ensemble {
             (words, entries.len(), resting, resting_offset)
         } else {
             let CutList { words, entries, resting, resting_offset } =
-                CutList::draw(&groups, random, self.build.min_edges..=self.build.max_edges);
+                CutList::draw(&groups, random, self.build.direct.min_edges()..=self.build.max_edges);
             (words, entries.len(), resting, resting_offset)
         };
         run.set_lists(&words);

@@ -69,6 +69,12 @@ impl PixelWeights {
         f64::from(self.weights[self.tile([number % self.film[0], number / self.film[0]])])
     }
 
+    /// Mean of w over the film's pixels.
+    pub fn mean(&self) -> f64 {
+        let pixels = self.film[0] * self.film[1];
+        (0..pixels).map(|number| self.of_pixel(number)).sum::<f64>() / f64::from(pixels)
+    }
+
     /// As the shaders read it.
     pub fn table(&self) -> &[f32; WEIGHT_ENTRIES] {
         &self.weights

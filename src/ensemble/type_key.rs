@@ -65,6 +65,18 @@ impl TypeKey {
         ["L"].into_iter().chain(interior).chain([" E"]).collect()
     }
 
+    /// The key of a path that Heckbert's string describes, any specular vertex as a reflection; `None` for other texts.
+    pub fn from_string(string: &str) -> Option<Self> {
+        let vertices = string.strip_prefix("L ")?.strip_suffix('E')?;
+        let tag = |vertex| match vertex {
+            "D" => Some(Tag::Diffuse),
+            "S" => Some(Tag::Reflection),
+            _ => None,
+        };
+        let tags: Vec<Tag> = vertices.split_whitespace().map(tag).collect::<Option<_>>()?;
+        (tags.len() < MAX_EDGES as usize).then(|| Self::from_tags(&tags))
+    }
+
     /// The words a shader sees, low word first; the last two are 0 in keys of up to 32 edges.
     pub fn words(self) -> [u32; 4] {
         [0, 32, 64, 96].map(|shift| (self.0 >> shift) as u32)
@@ -118,6 +130,11 @@ mod tests {
         assert_eq!((1..4).map(|i| key.tag_bits(i)).collect::<Vec<_>>(), [0, 2, 1]);
         assert!(key.is_diffuse(1) && !key.is_diffuse(2));
         assert_eq!(TypeKey::from_tags(&[]).edges(), 1);
+        for tags in [&[][..], &[D], &[R, D, R]] {
+            let key = TypeKey::from_tags(tags);
+            assert_eq!(TypeKey::from_string(&key.string()), Some(key));
+        }
+        assert_eq!(["", "L D", "E", "L X E"].map(TypeKey::from_string), [None; 4]);
         assert_eq!(TypeKey::from_tags(&[T; MAX_EDGES as usize - 1]).edges(), MAX_EDGES);
     }
 

@@ -5,6 +5,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
+use super::path_traced::PathTraced;
 use super::pool::{TypeKey, abbreviated};
 
 /// Batches of half-sweeps whose scatter gives the chains' error.
@@ -61,15 +62,20 @@ impl TypeStatistics {
 ///
 /// Light through glass or water that is seen through glass or water, L S D S E, is found only by paths that hit the lamp by
 /// chance: from a lamp of millimetres, by none. Nothing then tells of it but its kin, paths that are scattered once more
-/// and can be made by connecting, L S D D S E: where these hold light, so does what is missing.
-pub fn warnings(types: &[TypeStatistics]) -> Vec<String> {
+/// and can be made by connecting, L S D D S E: where these hold light, so does what is missing. What is `path_traced` is not
+/// the start's to find.
+pub fn warnings(types: &[TypeStatistics], path_traced: PathTraced) -> Vec<String> {
     let candidates = |name: &str| types.iter().find(|t| t.name == name).map_or(0, |t| t.candidates);
     let mut list: Vec<String> = Vec::new();
     for kin in types.iter().filter(|t| t.start.max(t.chains) > LEAST_SHARE) {
         let name = kin.name.replacen("D D", "D", 1);
         let found = candidates(&name);
         let [short, kin_short] = [&name, &kin.name].map(|name| abbreviated(name));
-        if name != kin.name && !connects(&name) && found < FEWEST_CANDIDATES && !list.iter().any(|w| w.contains(&short))
+        if name != kin.name
+            && !connects(&name)
+            && found < FEWEST_CANDIDATES
+            && !TypeKey::from_string(&name).is_some_and(|key| path_traced.has(key))
+            && !list.iter().any(|w| w.contains(&short))
         {
             let share = 100.0 * kin.start.max(kin.chains);
             list.push(format!(
@@ -270,8 +276,10 @@ mod tests {
             chains_error: 0.01 * share,
         };
         let kin = of("L S D D S E", 0.04, 6000);
+        let warnings = |types: &[TypeStatistics]| warnings(types, PathTraced::default());
         let warned = warnings(std::slice::from_ref(&kin));
         assert!(warned.len() == 1 && warned[0].starts_with("paths L S D S E have not converged: only"), "{warned:?}");
+        assert_eq!(super::warnings(std::slice::from_ref(&kin), PathTraced::EVERYTHING), Vec::<String>::new());
         assert_eq!(warnings(&[kin.clone(), of("L S D S E", 0.4, 5000)]), Vec::<String>::new());
         assert_eq!(warnings(&[of("L S D D S E", 0.001, 6000)]), Vec::<String>::new());
         // What can be connected is found without luck.

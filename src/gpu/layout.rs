@@ -43,6 +43,10 @@ pub struct PassUniform {
     pub origins: u32,
     pub keep: u32,
     pub group_stride: u32,
+    pub path_traced_low: u32,
+    pub path_traced_high: u32,
+    pub path_traced_specular: u32,
+    pub photons_first: u32,
 }
 
 /// Whether type keys of paths with up to `max_edges` edges take four words in place of two (the flag `long`).
@@ -59,6 +63,9 @@ pub const fn strategy_columns(max_edges: u32) -> usize {
 pub const fn strategy_words(max_edges: u32) -> usize {
     strategy_columns(max_edges).pow(2).next_multiple_of(4)
 }
+
+/// The most edges of paths that the path tracer renders in the chains' place (`PATH_TRACED_EDGES`).
+pub const PATH_TRACED_EDGES: u32 = 16;
 
 /// Tiles of the film along its longer side, on which w of the two-stage target is constant, and words of their table,
 /// which lies behind the strategy table.
@@ -205,6 +212,10 @@ mod tests {
             origins,
             keep,
             group_stride,
+            path_traced_low,
+            path_traced_high,
+            path_traced_specular,
+            photons_first,
         );
         let (_, span) = struct_of(&module("weigh"), "StrategyUniform");
         assert_eq!(span as usize, 4 * strategy_words(12));

@@ -31,7 +31,7 @@ pub struct Variant {
 
 /// Flags that passes know besides the scene's features. `probe*` and `twin*` are compiled by tests alone: records
 /// instead of splats, and deliberately wrong kernels that the tests must catch.
-pub const PASS_FLAGS: [&str; 31] = [
+pub const PASS_FLAGS: [&str; 32] = [
     "guided",
     "multi_chain",
     "manifold",
@@ -45,7 +45,8 @@ pub const PASS_FLAGS: [&str; 31] = [
     "light_side",
     "maps",
     "two_stage",
-    "indirect",
+    "path_traced",
+    "photons",
     "probe",
     "probe_back",
     "probe_still",

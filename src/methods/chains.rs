@@ -1,23 +1,22 @@
 //! `mlt` and `emlt`: chains in path space, as mixes of kernels over the same sweeps.
 
+mod snapshot;
+
 use std::mem;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::chain_film::{
-    acceptance, black, channels_of, counts_fit, few_groups, film_bytes, layer_bytes, layers_that_fit, luminance, maps,
-    no_counts, pixels,
-};
+use super::chain_film::{counts_fit, few_groups, film_bytes, layers_that_fit, no_counts, pixels};
 use super::session::{Part, Stage};
-use super::{Budget, Direct, Outcome, Settings, default_mix};
-use crate::ensemble::bootstrap::{self, BATCH, BATCH_BYTES, Bootstrap, Start, Starting};
+use super::{Budget, Method, Outcome, Settings, default_mix};
+use crate::ensemble::bootstrap::{self, BATCH, BATCH_BYTES, Bootstrap, Given, Start, Starting};
 use crate::ensemble::groups::Groups;
 use crate::ensemble::mix::Mix;
-use crate::ensemble::strategies::INDIRECT_EDGES;
+use crate::ensemble::path_traced::Easy;
+use crate::ensemble::photons::{self, MOST_ROWS, has_photons};
 use crate::ensemble::sweep::{Build, Ensemble, list_words};
 use crate::ensemble::type_shares;
-use crate::film::layers::Layers;
 use crate::gpu::context::Context;
 use crate::gpu::layout::{chain_rows, counter_bytes};
 use crate::gpu::pipelines::{Built, Compilation};
@@ -28,6 +27,9 @@ use crate::scene::Features;
 
 /// Share of a time limit that is left to the chains, however long their start took.
 const LEAST_RENDERING: f64 = 0.25;
+
+/// Share of a time limit after which a start makes do with the candidates it has.
+const MOST_SEEDING: f64 = 0.35;
 
 /// Share of the start's candidates that may be lost to rounding before a note speaks of it.
 const NON_FINITE_SHARE: f64 = 1e-5;
@@ -44,10 +46,14 @@ pub(super) struct Chains<'a> {
     counted: bool,
     start: Start,
     phase: Phase,
+    /// The path tracer's share of the time after the start, where there is one.
+    path_tracers_share: f64,
     /// The kernels' pipelines are built while the start is made; it needs but one.
     kernels: Option<JoinHandle<crate::Result<Built>>>,
     /// Dispatches of perturbations in a step that has a time limit; follows the clock.
     dispatches_per_step: usize,
+    /// Of the time after the start: less than 1 where a path tracer has the rest.
+    time_share: f64,
     /// Times and notes; what the ensemble counts is asked of it.
     statistics: Statistics,
 }
@@ -84,10 +90,15 @@ impl<'a> Chains<'a> {
                 "a target error needs at least two groups, whose scatter tells the error: raise --groups or lower --size",
             ));
         }
-        let min_edges = if settings.direct == Direct::Pt { INDIRECT_EDGES } else { 1 };
+        // The map lies behind the chains. mlt starts as Veach's does.
+        let rows = chain_rows(settings.max_depth) as u64 * u64::from(settings.ensemble);
+        let fits = 16 * (rows + MOST_ROWS) <= context.device.limits().max_storage_buffer_binding_size;
+        let photon_row = (settings.method == Method::Emlt && has_photons(features) && fits).then_some(rows as u32);
         let build = Build {
             features,
-            min_edges,
+            direct: settings.direct,
+            photons: photon_row.is_some(),
+            given: Given { path_traced: settings.direct.path_traced(), photons: None },
             max_edges: settings.max_depth,
             maps: settings.maps,
             two_stage: settings.two_stage.is_some(),
@@ -96,14 +107,15 @@ impl<'a> Chains<'a> {
             groups,
         };
         let sizes = Sizes {
-            chains: 16 * chain_rows(settings.max_depth) as u64 * u64::from(settings.ensemble),
+            chains: 16 * (rows + if photon_row.is_some() { MOST_ROWS } else { 0 }),
             lists: 4 * list_words(settings.ensemble, BATCH),
             output: film_bytes(settings, groups.count(), if counted { kernels } else { 0 }).max(BATCH_BYTES),
             counters: counter_bytes(kernels),
         };
         let start = Start {
             features,
-            min_edges,
+            direct: settings.direct,
+            photon_row,
             max_edges: settings.max_depth,
             two_stage: settings.two_stage,
             candidates: settings.candidates,
@@ -120,13 +132,35 @@ impl<'a> Chains<'a> {
             counted,
             start,
             phase: Phase::Fresh,
+            path_tracers_share: 0.0,
             kernels: None,
             dispatches_per_step: 1,
+            time_share: 1.0,
             statistics: Statistics {
                 notes: few_groups(settings, groups).into_iter().chain(no_counts(settings, counted)).collect(),
                 ..Statistics::default()
             },
         })
+    }
+
+    /// What is left to the path tracer; known once the start is made.
+    pub(super) fn easy(&self) -> Easy {
+        Easy { path_traced: self.build.given.path_traced, time_share: self.path_tracers_share }
+    }
+
+    /// Whether there is nothing else.
+    pub(super) fn is_dark(&self) -> bool {
+        matches!(self.phase, Phase::Dark)
+    }
+
+    /// Of a budget of so many seconds, what the start leaves.
+    pub(super) fn seconds_after_start(&self, seconds: f64) -> f64 {
+        (seconds - self.statistics.seeding_s).max(LEAST_RENDERING * seconds)
+    }
+
+    /// Leaves a share of the time after the start to others.
+    pub(super) fn leave(&mut self, share: f64) {
+        self.time_share = 1.0 - share;
     }
 
     fn pixels(&self) -> u64 {
@@ -135,26 +169,34 @@ impl<'a> Chains<'a> {
 
     /// Has pipelines built: those of the kernels on a thread of their own.
     fn prepare(&mut self) -> crate::Result<Phase> {
-        let Start { features, min_edges, max_edges, .. } = self.start;
+        let Start { features, direct, photon_row, max_edges, .. } = self.start;
         let kernels = self.run.missing(&self.build.variants(&self.mix));
         let builder = self.run.builder();
         self.kernels = Some(std::thread::spawn(move || builder.build_all(&kernels)));
-        let first = self.run.missing(&[bootstrap::variant(features, min_edges, max_edges)]);
+        let mut first = vec![bootstrap::variant(features, direct, photon_row.is_some(), max_edges)];
+        first.extend(photon_row.map(|_| photons::variant(features, max_edges)));
+        let first = self.run.missing(&first);
         let built = self.run.builder().build_all(&first)?;
         Ok(Phase::Preparing(self.run.adopt(built)))
     }
 
     /// From the candidates to start paths, or into the dark.
     fn seeded(&mut self, starting: Starting) -> crate::Result<Phase> {
+        self.build.given = starting.given();
+        self.path_tracers_share = starting.time_share();
         let Some(bootstrap) = self.start.finish(&mut self.run, starting)? else {
-            if self.settings.direct == Direct::Mcmc {
+            if self.build.given.path_traced.is_empty() {
                 return Err(crate::Error::input(
                     "no light reaches the camera: turn the camera, add a light, or allow longer paths with --max-depth",
                 ));
             }
-            self.statistics
-                .notes
-                .push("no path of 3 edges or more was found to carry light: all of it is direct".into());
+            let all = self.build.given.path_traced.is_all(self.settings.max_depth);
+            let note = if all {
+                "all light is path traced, since that finds it easily here: --direct mcmc leaves it to the chains"
+            } else {
+                "no path was found to carry light but those that are path traced"
+            };
+            self.statistics.notes.push(note.into());
             return Ok(Phase::Dark);
         };
         if bootstrap.largest_share > 0.01 {
@@ -226,8 +268,7 @@ impl Part for Chains<'_> {
                 ensemble.mutations() as f64 / (f64::from(n) * self.pixels() as f64)
             }
             (Phase::Rendering(_), Budget::Seconds(s)) => {
-                let left = (s - self.statistics.seeding_s).max(LEAST_RENDERING * s);
-                self.statistics.render_s / left
+                self.statistics.render_s / (self.time_share * self.seconds_after_start(s))
             }
             // Nothing is left to do, ever.
             (Phase::Dark, _) => f64::INFINITY,
@@ -268,6 +309,11 @@ impl Part for Chains<'_> {
                 self.statistics.compile_s += start.elapsed().as_secs_f64();
             }
             Phase::Seeding(starting) => {
+                if let Budget::Seconds(s) = self.settings.budget
+                    && self.statistics.seeding_s > MOST_SEEDING * s
+                {
+                    starting.hurry();
+                }
                 if !self.start.step(&mut self.run, starting)? {
                     let Phase::Seeding(starting) = mem::replace(&mut self.phase, Phase::Dark) else { unreachable!() };
                     self.phase = self.seeded(*starting)?;
@@ -298,7 +344,9 @@ impl Part for Chains<'_> {
             statistics.kernels = ensemble.kernel_statistics();
             statistics.b = Some(ensemble.b());
             statistics.types = ensemble.types().statistics();
-            statistics.notes.extend(type_shares::warnings(&statistics.types).into_iter().take(MOST_WARNINGS));
+            statistics.notes.extend(
+                type_shares::warnings(&statistics.types, self.build.given.path_traced).into_iter().take(MOST_WARNINGS),
+            );
             let mixing = ensemble.mixing(self.pixels());
             statistics.notes.extend(mixing.warnings());
             statistics.mixing = Some(mixing);
@@ -308,55 +356,6 @@ impl Part for Chains<'_> {
 
     fn snapshot(&mut self, with_error: bool) -> crate::Result<Outcome> {
         self.snapshot_over(None, with_error)
-    }
-}
-
-impl Chains<'_> {
-    /// The image on top of an independent one.
-    pub(super) fn snapshot_over(&mut self, beneath: Option<&Outcome>, with_error: bool) -> crate::Result<Outcome> {
-        let mut statistics = self.statistics();
-        let beneath = beneath.map(|outcome| (&outcome.image, outcome.uncertainty.as_ref()));
-        let Phase::Rendering(ensemble) = &self.phase else {
-            let mut outcome = black(&self.settings, statistics);
-            if let Some((image, uncertainty)) = beneath {
-                outcome.image = image.clone();
-                outcome.uncertainty = uncertainty.cloned();
-            }
-            return Ok(outcome);
-        };
-        let device_time = self.run.device_time;
-        let groups = self.build.groups.count();
-        // Of one group; all make as many.
-        let mutations = ensemble.mutations().max(1) as f64 / f64::from(groups);
-        let weights: Vec<f64> = (0..self.pixels() as usize).map(|pixel| ensemble.pixel_weight(pixel)).collect();
-        let mut layers = Layers::new(self.settings.width, self.settings.height, with_error);
-        let mut integrity = 0.0f64;
-        // A layer at a time: all together would take several times the image's memory.
-        let layer = layer_bytes(&self.settings);
-        for group in 0..u64::from(groups) {
-            let bytes = self.run.read(Buffer::Output, group * layer..(group + 1) * layer)?;
-            let values: Vec<[f64; 3]> = channels_of(&bytes);
-            let lost = luminance(&values, &weights) / mutations - 1.0;
-            integrity = if lost.abs() > integrity.abs() { lost } else { integrity };
-            layers.add(&values);
-        }
-        statistics.integrity = Some(integrity);
-        let scale = ensemble.target() * self.pixels() as f64 / mutations;
-        let (image, uncertainty) = layers.finish(scale, ensemble.target_error() / ensemble.target(), beneath);
-        let mut directions: Vec<[f64; 2]> = Vec::new();
-        if self.settings.maps {
-            let behind = u64::from(groups) * layer..film_bytes(&self.settings, groups, 0);
-            directions = channels_of(&self.run.read(Buffer::Output, behind)?);
-        }
-        let mut accepted = Vec::new();
-        for (number, kernel) in self.mix.kernels().enumerate().filter(|_| self.counted && with_error) {
-            let bytes = [number, number + 1].map(|kernels| film_bytes(&self.settings, groups, kernels));
-            accepted.push(acceptance(kernel.name, &self.run.read(Buffer::Output, bytes[0]..bytes[1])?));
-        }
-        self.run.device_time = device_time;
-        let mut channels = maps(&self.settings, |pixel, channel| directions[pixel][channel] as f32);
-        channels.extend(accepted);
-        Ok(Outcome { image, channels, uncertainty, statistics })
     }
 }
 

@@ -10,6 +10,7 @@ mod session;
 use crate::ensemble::bootstrap::CANDIDATES;
 use crate::ensemble::groups::MOST_GROUPS;
 use crate::ensemble::guidance::Guidance;
+pub use crate::ensemble::path_traced::Direct;
 use crate::film::uncertainty::Uncertainty;
 use crate::film::{Channel, Image};
 use crate::kernels::{
@@ -61,16 +62,6 @@ pub fn default_size(camera: &Camera) -> (u32, u32) {
     }
 }
 
-/// Who renders direct light: paths of at most 2 edges, which are emission as the camera sees it and light that one vertex
-/// sends on (METHOD.md 1.5).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Direct {
-    /// The chains, with all other light.
-    Mcmc,
-    /// The path tracer, with an eighth of the samples or 15 % of the time.
-    Pt,
-}
-
 /// How long to render.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Budget {
@@ -112,7 +103,7 @@ pub struct Settings {
     pub kernels: Option<Vec<(&'static Kernel, f64)>>,
     /// How guided kernels look at the other half (emlt).
     pub guidance: Guidance,
-    /// Who renders direct light (mlt, emlt).
+    /// Who renders direct light, and whatever else is easy (mlt, emlt).
     pub direct: Direct,
     /// Exponent gamma from 0 to 1 of a two-stage target (mlt, emlt): chains spend their samples on the image's luminance
     /// to the power 1 - gamma.
@@ -121,7 +112,8 @@ pub struct Settings {
     pub maps: bool,
     /// Part of a device's name; the best one without.
     pub device: Option<String>,
-    /// Lobes of smaller GGX alpha are treated as specular by mlt and emlt (METHOD.md 2.7). Changes noise, not results.
+    /// Lobes of smaller GGX alpha are treated as specular by mlt and emlt (METHOD.md 2.7), but where the path tracer has a share
+    /// of its choice. Changes noise, not results.
     pub glossy_as_specular_alpha: f32,
 }
 
@@ -172,13 +164,16 @@ pub fn default_two_stage(method: Method) -> Option<f64> {
     (method == Method::Emlt).then_some(0.5)
 }
 
+/// Who renders easy light unless told otherwise: in emlt the path tracer, but where the chains themselves are to be looked at.
+pub fn default_direct(method: Method, shows_chains: bool) -> Direct {
+    if method == Method::Emlt && !shows_chains { Direct::Auto } else { Direct::Mcmc }
+}
+
 /// Mutations for each candidate of the start, and the fewest and most candidates there are by default.
 const MUTATIONS_A_CANDIDATE: f64 = 3.0;
 const MOST_CANDIDATES: u32 = 1 << 25;
 /// The fewest where the start is part of a time limit.
 const FEWEST_IN_TIME: u32 = 1 << 17;
-/// Mutations in whose time a candidate is made.
-const COST_OF_A_CANDIDATE: f64 = 1.6;
 /// Mutations a second to expect where the budget is a time.
 const SOFTWARE_RATE: f64 = 1e6;
 const GPU_RATE: f64 = 5e7;
@@ -192,7 +187,8 @@ pub fn default_candidates(software: bool, budget: Budget, [width, height]: [u32;
     let mutations = match budget {
         Budget::ENDLESS if software => 0.0,
         Budget::ENDLESS => 0.4 * rate,
-        Budget::Seconds(s) => s * rate / (1.0 + COST_OF_A_CANDIDATE / MUTATIONS_A_CANDIDATE),
+        // As many as there may be time for: the start ends when it has had its share.
+        Budget::Seconds(s) => s * rate,
         Budget::SamplesPerPixel(n) => f64::from(n) * f64::from(width) * f64::from(height),
     };
     let candidates = (mutations / MUTATIONS_A_CANDIDATE).min(f64::from(MOST_CANDIDATES)) as u32;
@@ -228,9 +224,9 @@ impl Default for Settings {
 
 impl Settings {
     /// Below this GGX alpha a lobe is treated as specular. Path tracing has no use for classes: its lobes stay with the
-    /// rest, under multiple importance sampling.
+    /// rest, under multiple importance sampling, and so do those of chains that share the light with it.
     pub(crate) fn specular_threshold(&self) -> f32 {
-        if self.method == Method::Pt { 0.0 } else { self.glossy_as_specular_alpha }
+        if self.method == Method::Pt || self.direct == Direct::Auto { 0.0 } else { self.glossy_as_specular_alpha }
     }
 }
 
@@ -265,7 +261,7 @@ mod tests {
         assert_eq!(candidates(false, 128), 8 * million);
         let unknown = [Budget::ENDLESS, Budget::Seconds(10.0), Budget::Seconds(60.0)];
         assert_eq!(default_candidates(true, Budget::Seconds(0.5), [1, 1]), million / 8);
-        assert_eq!(unknown.map(|budget| default_candidates(true, budget, [1, 1])), [1, 2, 8].map(|n| n * million));
+        assert_eq!(unknown.map(|budget| default_candidates(true, budget, [1, 1])), [1, 2, 16].map(|n| n * million));
         assert_eq!(unknown.map(|budget| default_candidates(false, budget, [1, 1])), [4, 32, 32].map(|n| n * million));
     }
 }

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::session::{Part, Stage};
 use super::{Budget, Outcome, Settings};
+use crate::ensemble::path_traced::PathTraced;
 use crate::film::uncertainty::{CHANNELS, Uncertainty, Y};
 use crate::film::{Channel, Image};
 use crate::gpu::context::Context;
@@ -27,6 +28,8 @@ pub(super) struct PathTracer<'a> {
     size: [u32; 2],
     budget: Budget,
     seed: u32,
+    /// What it renders where it does not render all.
+    path_traced: PathTraced,
     /// Keys the random numbers, together with the seed: renders whose images are added take numbers of their own.
     first_pass: u32,
     compiled: bool,
@@ -41,21 +44,26 @@ pub(super) struct PathTracer<'a> {
 }
 
 impl<'a> PathTracer<'a> {
+    /// A path tracer of all light, or of a part with a pass index to begin with: images that are added take random
+    /// numbers of their own.
     pub(super) fn new(
         context: &'a Context,
         scene: Arc<GpuScene>,
         features: Features,
         settings: &Settings,
-        first_pass: u32,
+        part: Option<(PathTraced, u32)>,
     ) -> crate::Result<Self> {
+        let (path_traced, first_pass) = part.unwrap_or_default();
+        let flags = if part.is_some() { vec!["path_traced"] } else { vec![] };
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         let sizes = Sizes { chains: 0, lists: 0, output: 48 * pixels, counters: 4 * COUNTER_WORDS as u64 };
         Ok(Self {
             run: Run::over(context, scene, sizes)?,
-            variant: Variant { pass: "path_trace", features, max_edges: settings.max_depth, flags: vec![] },
+            variant: Variant { pass: "path_trace", features, max_edges: settings.max_depth, flags },
             size: [settings.width, settings.height],
             budget: settings.budget,
             seed: settings.seed,
+            path_traced,
             first_pass,
             compiled: false,
             samples: 0,
@@ -74,13 +82,13 @@ impl<'a> PathTracer<'a> {
 
     /// One pass over `count` pixels from the first that has no sample of it yet.
     fn dispatch(&self, pass: u32, count: u32) -> Dispatch {
-        let uniform = PassUniform {
+        let uniform = self.path_traced.set(PassUniform {
             seed: self.seed,
             pass_index: self.first_pass + pass,
             entries: count,
             entries_offset: self.sampled,
             ..Default::default()
-        };
+        });
         Dispatch { variant: self.variant.clone(), uniform }
     }
 

@@ -102,9 +102,11 @@ impl<'a> Session<'a> {
         );
         let scene = Arc::new(GpuScene::new(context, data)?);
         let part: Box<dyn Part + 'a> = match (settings.method, settings.direct) {
-            (Method::Pt, _) => Box::new(PathTracer::new(context, scene, *features, settings, 0)?),
+            (Method::Pt, _) => Box::new(PathTracer::new(context, scene, *features, settings, None)?),
             (Method::Mlt | Method::Emlt, Direct::Mcmc) => Box::new(Chains::new(context, scene, *features, settings)?),
-            (Method::Mlt | Method::Emlt, Direct::Pt) => Box::new(Both::new(context, scene, *features, settings)?),
+            (Method::Mlt | Method::Emlt, Direct::Pt | Direct::Auto) => {
+                Box::new(Both::new(context, scene, *features, settings)?)
+            }
         };
         let base = Statistics {
             device: context.description.clone(),

@@ -35,7 +35,7 @@ impl ErrorLog {
     pub fn row(&mut self, outcome: &Outcome) -> Result<()> {
         let Outcome { image, statistics: s, .. } = outcome;
         // Where all light is direct, there are no others.
-        let samples = if s.samples > 0 { s.samples } else { s.direct_samples };
+        let samples = if s.samples > 0 { s.samples } else { s.path_traced_samples };
         if self.samples.replace(samples) == Some(samples) {
             return Ok(());
         }

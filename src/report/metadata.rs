@@ -25,8 +25,8 @@ pub fn attributes(scene: &Scene, settings: &Settings, statistics: &Statistics) -
         list.push(("lensDiameter", f64::from(lens.aperture).into()));
         list.push(("focusDistance", f64::from(lens.focus).into()));
     }
-    if statistics.direct_samples > 0 {
-        list.push(("directSamples", (statistics.direct_samples as f64).into()));
+    if statistics.path_traced_samples > 0 {
+        list.push(("pathTracedSamples", (statistics.path_traced_samples as f64).into()));
     }
     if let Some(gamma) = settings.two_stage {
         list.push(("twoStage", gamma.into()));
@@ -91,7 +91,7 @@ mod tests {
         let statistics = Statistics {
             samples: 400,
             b: Some((0.5, 0.01)),
-            direct_samples: 50,
+            path_traced_samples: 50,
             kernels: vec![kernel("lens", 100), kernel("bidirectional", 300)],
             mixing: Some(MixingStatistics {
                 longest_wait: 70,
@@ -107,7 +107,7 @@ mod tests {
         assert_eq!(value(&list, "scene"), Some(&"box".into()));
         assert_eq!(value(&list, "method"), Some(&"emlt".into()));
         assert_eq!(value(&list, "mutations"), Some(&400.0.into()));
-        assert_eq!(value(&list, "directSamples"), Some(&50.0.into()));
+        assert_eq!(value(&list, "pathTracedSamples"), Some(&50.0.into()));
         assert_eq!(value(&list, "twoStage"), Some(&0.5.into()));
         assert_eq!(value(&list, "bStandardError"), Some(&0.01.into()));
         assert_eq!(value(&list, "kernelMix"), Some(&"lens 0.250, bidirectional 0.750".into()));
@@ -121,7 +121,7 @@ mod tests {
         let settings = Settings { method: Method::Pt, ..Default::default() };
         let list = attributes(&Scene::default(), &settings, &Statistics { samples: 7, ..Default::default() });
         assert_eq!(value(&list, "samples"), Some(&7.0.into()));
-        for absent in ["mutations", "directSamples", "twoStage", "b", "bStandardError", "kernelMix", "ensemble"] {
+        for absent in ["mutations", "pathTracedSamples", "twoStage", "b", "bStandardError", "kernelMix", "ensemble"] {
             assert_eq!(value(&list, absent), None, "{absent}");
         }
     }

@@ -57,12 +57,14 @@ pub struct Statistics {
     pub software_device: bool,
     /// Mutations (mlt, emlt) or samples (pt) in the image.
     pub samples: u64,
-    /// Samples of the path tracer that made direct light apart from the mutations (--direct pt).
-    pub direct_samples: u64,
+    /// Samples of the path tracer that made a part of the light apart from the mutations (--direct pt, auto).
+    pub path_traced_samples: u64,
+    /// Share of the image's luminance that they made; none where the figures were asked for without the image.
+    pub path_traced_light: Option<f64>,
     pub rays: u64,
     /// Empty for pt.
     pub kernels: Vec<KernelStatistics>,
-    /// Mean image luminance b and its standard error, without direct light that was made apart; none for pt.
+    /// Mean image luminance b and its standard error, without light that was path traced apart; none for pt.
     pub b: Option<(f64, f64)>,
     /// The image's own error; none where the figures were asked for without the image, or where it cannot be told.
     pub error: Option<ErrorStatistics>,

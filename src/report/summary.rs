@@ -38,17 +38,22 @@ impl Display for Summary<'_> {
         let samples = if self.method == Method::Pt { "samples" } else { "mutations" };
         let per_pixel = s.samples as f64 / self.pixels as f64;
         let rate = million_per_second(s.samples, s.render_s);
-        row(samples, format!("{} ({per_pixel:.2} per pixel), {rate}", grouped(s.samples)))?;
-        if s.direct_samples > 0 {
-            let per_pixel = s.direct_samples as f64 / self.pixels as f64;
+        // Where all light is path traced, there are none.
+        if s.samples > 0 || s.path_traced_samples == 0 {
+            row(samples, format!("{} ({per_pixel:.2} per pixel), {rate}", grouped(s.samples)))?;
+        }
+        if s.path_traced_samples > 0 {
+            let per_pixel = s.path_traced_samples as f64 / self.pixels as f64;
+            let share =
+                s.path_traced_light.map_or(String::new(), |share| format!("{:.1} % of the light by ", 100.0 * share));
             row(
-                "direct",
-                format!("{} samples of the path tracer ({per_pixel:.2} per pixel)", grouped(s.direct_samples)),
+                "path traced",
+                format!("{share}{} samples ({per_pixel:.2} per pixel)", grouped(s.path_traced_samples)),
             )?;
         }
         row("rays", format!("{}, {}", grouped(s.rays), million_per_second(s.rays, s.seeding_s + s.render_s)))?;
         if let Some((b, standard_error)) = s.b {
-            let part = if s.direct_samples > 0 { ", direct light not counted" } else { "" };
+            let part = if s.path_traced_samples > 0 { ", path-traced light not counted" } else { "" };
             row("b", format!("{b:.6} +- {:.2} %{part}", 100.0 * standard_error / b))?;
         }
         if let Some(error) = s.error {
@@ -243,7 +248,8 @@ mod tests {
             device: "llvmpipe (LLVM 15.0.6, 256 bits), Vulkan".into(),
             software_device: true,
             samples: 20_000_000,
-            direct_samples: 5_000_000,
+            path_traced_samples: 5_000_000,
+            path_traced_light: Some(0.625),
             rays: 120_000_000,
             kernels: vec![kernel("bidirectional", 1_000_000, 0), kernel("lens", 4_200_000, 3)],
             b: Some((0.25, 0.001)),
@@ -296,9 +302,9 @@ mod tests {
         let expected = "\
 device      llvmpipe (LLVM 15.0.6, 256 bits), Vulkan (software: runs on the processor)
 mutations   20,000,000 (62.50 per pixel), 0.500 million per second
-direct      5,000,000 samples of the path tracer (15.62 per pixel)
+path traced 62.5 % of the light by 5,000,000 samples (15.62 per pixel)
 rays        120,000,000, 2.892 million per second
-b           0.250000 +- 0.40 %, direct light not counted
+b           0.250000 +- 0.40 %, path-traced light not counted
 error       21.3 % a pixel, 3.21 % of 8x8 tiles, by the scatter of 8 groups; film mean 0.250000, 95 % in 0.248000 to 0.252000
 types       1 hold 0.1 % of the light or more; chains and start differ by 1.2 standard errors at most (L S D E)
 mixing      log I is remembered for 86 mutations: 14.1 effective samples a path, 231,424 in all

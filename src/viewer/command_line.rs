@@ -6,7 +6,7 @@ use super::app::{Note, Viewer};
 use super::messages::Opened;
 use super::orbit::Orbit;
 use super::overlay::Layer;
-use crate::methods::{Direct, Method, Settings, default_two_stage};
+use crate::methods::{Method, Settings, default_direct, default_two_stage};
 
 impl Viewer {
     pub(super) fn copy_command_line(&mut self, ctx: &egui::Context) {
@@ -58,8 +58,8 @@ pub fn command_line(scene: &Opened, settings: &Settings, orbit: &Orbit, samples:
         if settings.groups != default.groups {
             flag("groups", settings.groups.to_string());
         }
-        if settings.direct == Direct::Pt {
-            flag("direct", "pt".into());
+        if settings.direct != default_direct(settings.method, maps || settings.kernels.is_some()) {
+            flag("direct", settings.direct.name().into());
         }
         if settings.two_stage != default_two_stage(settings.method) {
             flag("two-stage", settings.two_stage.unwrap_or(0.0).to_string());
@@ -101,6 +101,7 @@ fn quoted(word: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::methods::Direct;
     use crate::scene::{Camera, Features, Lens};
     use glam::{Affine3A, Vec3};
 
@@ -131,7 +132,8 @@ mod tests {
         let scene = opened(&["Main"]);
         let orbit = Orbit::new(scene.cameras[0].clone(), scene.sphere);
         let two_stage = default_two_stage(Settings::default().method);
-        let settings = Settings { width: 100, height: 10, two_stage, ..Settings::default() };
+        let direct = Direct::Auto;
+        let settings = Settings { width: 100, height: 10, two_stage, direct, ..Settings::default() };
         let text = command_line(&scene, &settings, &orbit, 1999, false);
         assert_eq!(
             text,

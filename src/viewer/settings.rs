@@ -53,7 +53,9 @@ impl Viewer {
             changed |= setting(ui, "direct light", "who renders it (--direct)", |ui, _| {
                 let mut changed = false;
                 ui.horizontal(|ui| {
-                    for (direct, words) in [(Direct::Mcmc, "by the chains"), (Direct::Pt, "path traced")] {
+                    for (direct, words) in
+                        [(Direct::Mcmc, "chains"), (Direct::Pt, "path traced"), (Direct::Auto, "auto")]
+                    {
                         changed |= ui.selectable_value(&mut settings.direct, direct, words).changed();
                     }
                 });

@@ -85,8 +85,8 @@ fn figures(ui: &mut Ui, number: usize, slot: &Slot) {
         let what = if method == Method::Pt { "samples" } else { "mutations" };
         row(what, format!("{} ({:.1} a pixel)", grouped(s.samples), s.samples as f64 / pixels));
         row("rate", million_per_second(s.samples, s.render_s));
-        if s.direct_samples > 0 {
-            row("direct", format!("{:.1} samples a pixel by pt", s.direct_samples as f64 / pixels));
+        if s.path_traced_samples > 0 {
+            row("path traced", format!("{:.1} samples a pixel", s.path_traced_samples as f64 / pixels));
         }
         row("rays", million_per_second(s.rays, s.seeding_s + s.render_s));
         if let Some((b, error)) = s.b {

@@ -159,7 +159,7 @@ fn the_command_line_is_copied_and_a_failure_is_shown() {
     assert_eq!(
         window.copied.as_deref(),
         Some(
-            "emlt render box.glb --method emlt --size 64x48 --spp 1 --ensemble 16384 --candidates 1048576 --two-stage 0"
+            "emlt render box.glb --method emlt --size 64x48 --spp 1 --ensemble 16384 --candidates 1048576 --direct mcmc --two-stage 0"
         )
     );
     window.hear(Event::Failed("no light reaches the camera".into()));

@@ -3,7 +3,7 @@
 //! A path of k edges that ends on a wall carries e rho^(k - 1), whatever the room's shape. So with at most k edges every
 //! pixel is e (1 - rho^k) / (1 - rho) (METHOD.md 4.5, F1).
 
-use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, CANDIDATE_PASS, CANDIDATES, Mean, Start};
+use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, CANDIDATE_PASS, CANDIDATES, Given, Mean, Start};
 use emlt::ensemble::groups::Groups;
 use emlt::ensemble::strategies::Strategies;
 use emlt::ensemble::sweep::list_words;
@@ -88,7 +88,8 @@ fn furnace_by_path_length() {
     let features = Features::of(&scene);
     let start = Start {
         features,
-        min_edges: 1,
+        direct: Direct::Mcmc,
+        photon_row: None,
         max_edges: LONGEST,
         two_stage: None,
         candidates: CANDIDATES,
@@ -98,7 +99,8 @@ fn furnace_by_path_length() {
         film: FILM,
     };
     let strategies = Strategies::uniform(1..=LONGEST, false);
-    let (candidates, list) = start.candidates(&mut run, &strategies, CANDIDATES, CANDIDATE_PASS).unwrap();
+    let (candidates, list) =
+        start.candidates(&mut run, &strategies, Given::default(), CANDIDATES, CANDIDATE_PASS).unwrap();
     let mut worst = f64::INFINITY;
     for edges in 1..=LONGEST {
         let mut weights = Mean::default();

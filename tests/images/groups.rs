@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, Start};
+use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, Given, Start};
 use emlt::ensemble::build::Build;
 use emlt::ensemble::groups::Groups;
 use emlt::ensemble::guidance::Guidance;
 use emlt::ensemble::mix::Mix;
+use emlt::ensemble::path_traced::Direct;
 use emlt::ensemble::sweep::{Ensemble, list_words};
 use emlt::gpu::context::Context;
 use emlt::gpu::layout::{chain_rows, counter_bytes, row_guide};
@@ -48,7 +49,8 @@ fn render(context: &Context, groups: Groups, changed: bool) -> Left {
     let mut run = Run::new(context, &data, sizes).unwrap();
     let start = Start {
         features,
-        min_edges: 1,
+        direct: Direct::Mcmc,
+        photon_row: None,
         max_edges: MAX_EDGES,
         two_stage: None,
         candidates: 1 << 15,
@@ -65,7 +67,9 @@ fn render(context: &Context, groups: Groups, changed: bool) -> Left {
     run.clear(Buffer::Counters);
     let build = Build {
         features,
-        min_edges: 1,
+        direct: Direct::Mcmc,
+        photons: false,
+        given: Given::default(),
         max_edges: MAX_EDGES,
         maps: false,
         two_stage: false,

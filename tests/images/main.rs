@@ -22,6 +22,7 @@ mod options;
 mod renders;
 mod repetition;
 mod sphere;
+mod start;
 mod threshold;
 mod tiles;
 mod types;

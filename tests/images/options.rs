@@ -7,12 +7,13 @@ use emlt::methods::{Direct, Method, Settings, default_mix};
 use glam::Vec3;
 
 use super::comparison::{Comparison, Power, Truth, check};
-use super::mitsuba::{COLOURED_BOX, FULL_DEPTH, SHARDS, reference, settings_for};
-use super::renders::{render, render_unchecked, replicates, scene, settings};
+use super::mitsuba::{COLOURED_BOX, FULL_DEPTH, RING, SHARDS, reference, settings_for};
+use super::renders::{changed, render, render_unchecked, replicates, scene, settings};
 
 /// Who renders direct light, and the exponent of the two-stage target.
 type Options = (Direct, Option<f64>);
 const DIRECT_APART: Options = (Direct::Pt, None);
+const EASY_APART: Options = (Direct::Auto, Some(0.5));
 const TWO_STAGE: Options = (Direct::Mcmc, Some(0.5));
 const BOTH: Options = (Direct::Pt, Some(1.0));
 
@@ -49,6 +50,35 @@ fn long_coloured_box_with_both_by_mlt() {
 #[ignore = "takes minutes; ./run test --long"]
 fn long_shards_with_both() {
     compare("shards_4_edges", SHARDS, Emlt, BOTH, [4, 120], Power { film: 0.01, tile: 0.25 });
+}
+
+/// Chains for what lights glass, the path tracer for what is lit past it.
+#[test]
+fn shards_with_easy_light_apart() {
+    compare("shards_4_edges", SHARDS, Emlt, EASY_APART, [4, 120], Power { film: 0.01, tile: 0.25 });
+}
+
+/// Most of ring's light stays with the chains.
+#[test]
+fn ring_with_easy_light_apart() {
+    compare("ring", RING, Emlt, EASY_APART, [FULL_DEPTH, 60], Power { film: 0.08, tile: 0.5 });
+}
+
+/// What these comparisons are for: light that both sides render is seen.
+#[test]
+fn light_that_is_rendered_twice_is_caught() {
+    let truth = reference("shards_4_edges");
+    let scene = scene(SHARDS);
+    let direct = render(&scene, &settings_for(&truth, Pt, 2, 64)).image;
+    let twice = replicates(&scene, &settings_for(&truth, Emlt, 4, 60), 8).into_iter().map(|image| {
+        changed(&image, |x, y, p| {
+            let more = direct.pixels[(y * direct.width + x) as usize];
+            [0, 1, 2].map(|c| p[c] + 0.1 * more[c])
+        })
+    });
+    let comparison = Comparison::new(&twice.collect::<Vec<_>>(), &truth);
+    println!("{}", comparison.report("twin: a tenth of direct light twice"));
+    assert!(!comparison.passes());
 }
 
 /// Exponent 0 is the plain target: the same image, bit for bit.
@@ -88,8 +118,8 @@ fn without_indirect_light_the_direct_is_all() {
     let settings = Settings { direct: Direct::Pt, max_depth: 3, maps: true, ..settings(Emlt, [32, 24], 64) };
     let outcome = render(&scene, &settings);
     let s = &outcome.statistics;
-    assert_eq!((s.samples, s.direct_samples, s.b), (0, 8 * 32 * 24, None));
-    assert!(s.notes.iter().any(|note| note.contains("all of it is direct")), "{:?}", s.notes);
+    assert_eq!((s.samples, s.path_traced_samples, s.b), (0, 32 * 32 * 24, None));
+    assert!(s.notes.iter().any(|note| note.contains("path traced")), "{:?}", s.notes);
     assert_eq!(outcome.channels.len(), 2);
     let lit = outcome.image.pixels.iter().filter(|p| p[0] > 0.0).count();
     assert!(lit > outcome.image.pixels.len() / 2, "{lit} pixels");
@@ -100,7 +130,7 @@ fn short_paths_are_all_direct() {
     let scene = scene(COLOURED_BOX);
     let settings = Settings { direct: Direct::Pt, max_depth: 2, ..settings(Mlt, [16, 12], 8) };
     let s = render(&scene, &settings).statistics;
-    assert_eq!((s.samples, s.direct_samples), (0, 8 * 16 * 12));
+    assert_eq!((s.samples, s.path_traced_samples), (0, 8 * 16 * 12));
     assert!(s.notes.iter().any(|note| note.contains("--max-depth")), "{:?}", s.notes);
 }
 

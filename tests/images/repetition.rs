@@ -71,6 +71,11 @@ fn direct_light_apart_repeats() {
 }
 
 #[test]
+fn easy_light_apart_repeats() {
+    check(&Settings { direct: Direct::Auto, ..small(Method::Emlt) }, &[]);
+}
+
+#[test]
 fn two_stages_repeat() {
     check(&Settings { two_stage: Some(0.5), ..small(Method::Emlt) }, &[]);
 }

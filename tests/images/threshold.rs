@@ -1,7 +1,8 @@
 //! The roughness below which lobes are treated as specular (METHOD.md 2.7) is a matter of noise: results are the same.
 
-use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, CANDIDATE_PASS, CANDIDATES, Mean, Start};
+use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, CANDIDATE_PASS, CANDIDATES, Given, Mean, Start};
 use emlt::ensemble::groups::Groups;
+use emlt::ensemble::path_traced::Direct;
 use emlt::ensemble::strategies::Strategies;
 use emlt::ensemble::sweep::list_words;
 use emlt::film::Image;
@@ -76,7 +77,8 @@ fn b_does_not_depend_on_the_threshold() {
             let seed = 1 + u32::from(features.narrow);
             let start = Start {
                 features,
-                min_edges: 1,
+                direct: Direct::Mcmc,
+                photon_row: None,
                 max_edges: longest,
                 seed,
                 groups: Groups::new(paths, 1),
@@ -86,7 +88,8 @@ fn b_does_not_depend_on_the_threshold() {
                 candidates: CANDIDATES,
             };
             let strategies = Strategies::uniform(1..=longest, false);
-            let (candidates, _) = start.candidates(&mut run, &strategies, COUNT, CANDIDATE_PASS).unwrap();
+            let (candidates, _) =
+                start.candidates(&mut run, &strategies, Given::default(), COUNT, CANDIDATE_PASS).unwrap();
             let mut b = Mean::default();
             candidates.iter().for_each(|c| b.add(c.weight()));
             b

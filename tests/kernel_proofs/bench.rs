@@ -3,10 +3,11 @@
 use std::path::Path;
 use std::rc::Rc;
 
-use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, Bootstrap, CANDIDATE_PASS, CANDIDATES, Candidate, Start};
+use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, Bootstrap, CANDIDATE_PASS, CANDIDATES, Candidate, Given, Start};
 use emlt::ensemble::cuts::CutList;
 use emlt::ensemble::groups::Groups;
 use emlt::ensemble::guidance::Guidance;
+use emlt::ensemble::path_traced::Direct;
 use emlt::ensemble::pool::{Pool, TypeKey};
 use emlt::ensemble::strategies::Strategies;
 use emlt::ensemble::subpaths::PlanList;
@@ -294,7 +295,9 @@ impl<'a> Bench<'a> {
 
     /// The same by other strategies.
     pub fn candidates_by(&mut self, strategies: &Strategies, count: u32, seed: u32) -> (Vec<Candidate>, Vec<[u32; 2]>) {
-        start(self.features, seed).candidates(&mut self.run, strategies, count, CANDIDATE_PASS).unwrap()
+        start(self.features, seed)
+            .candidates(&mut self.run, strategies, Given::default(), count, CANDIDATE_PASS)
+            .unwrap()
     }
 
     /// Fills the first half with candidates that `kernel` applies to, over and over.
@@ -332,7 +335,7 @@ impl<'a> Bench<'a> {
 
     /// Puts candidates of `seed` into the first chains.
     pub fn fill(&mut self, seed: u32, strategies: &[[u32; 2]], chosen: &[u32]) {
-        start(self.features, seed).fill(&mut self.run, strategies, chosen).unwrap();
+        start(self.features, seed).fill(&mut self.run, Given::default(), strategies, chosen).unwrap();
     }
 }
 
@@ -349,7 +352,8 @@ fn moved_by(kernel: &Kernel, candidates: &[Candidate], features: Features) -> Ve
 fn start(features: Features, seed: u32) -> Start {
     Start {
         features,
-        min_edges: 1,
+        direct: Direct::Mcmc,
+        photon_row: None,
         max_edges: MAX_EDGES,
         two_stage: None,
         candidates: CANDIDATES,

@@ -6,6 +6,8 @@ use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, CANDIDATE_PASS, Start};
 use emlt::ensemble::groups::{Groups, MOST_GROUPS};
 use emlt::ensemble::guidance::Guidance;
 use emlt::ensemble::mix::{HALF_SWEEP, Mix};
+use emlt::ensemble::path_traced::Direct;
+use emlt::ensemble::photons::{MOST_ROWS, has_photons};
 use emlt::ensemble::sweep::{Build, Ensemble, list_words};
 use emlt::gpu::context::Context;
 use emlt::gpu::layout::{COUNTER_WORDS, chain_rows};
@@ -42,11 +44,14 @@ struct Mixed {
     kernels: Vec<(&'static Kernel, f64)>,
     /// Exponent of a two-stage target.
     two_stage: Option<f64>,
+    /// Whether the start, and so the independence kernel, has a map of photons where the scene has any.
+    photons: bool,
 }
 
 impl Mixed {
     fn of(method: Method) -> Self {
-        Self { name: method.name(), kernels: default_mix(method), two_stage: default_two_stage(method) }
+        let photons = method == Method::Emlt;
+        Self { name: method.name(), kernels: default_mix(method), two_stage: default_two_stage(method), photons }
     }
 }
 
@@ -57,8 +62,10 @@ fn move_chains(context: &Context, scene: &Scene, mixed: &Mixed, chains: usize) -
     let features = Features::of(scene).seen_by(scene, camera);
     let mix = Mix::new(&mixed.kernels, features);
     let groups = Groups::new(PATHS, MOST_GROUPS);
+    let rows = chain_rows(MAX_EDGES) as u64 * u64::from(PATHS);
+    let photons = mixed.photons && has_photons(features);
     let sizes = Sizes {
-        chains: 16 * chain_rows(MAX_EDGES) as u64 * u64::from(PATHS),
+        chains: 16 * (rows + if photons { MOST_ROWS } else { 0 }),
         lists: 4 * list_words(PATHS, BATCH),
         output: BATCH_BYTES.max(u64::from(16 * FILM[0] * FILM[1] * groups.count())),
         counters: (4 * COUNTER_WORDS * (mix.kernels().len() + 1)) as u64,
@@ -68,7 +75,8 @@ fn move_chains(context: &Context, scene: &Scene, mixed: &Mixed, chains: usize) -
     for seed in 6001.. {
         let start = Start {
             features,
-            min_edges: 1,
+            direct: Direct::Mcmc,
+            photon_row: photons.then_some(rows as u32),
             max_edges: MAX_EDGES,
             two_stage: mixed.two_stage,
             candidates: 1 << 15,
@@ -77,9 +85,14 @@ fn move_chains(context: &Context, scene: &Scene, mixed: &Mixed, chains: usize) -
             stride: PATHS,
             film: FILM,
         };
-        let bootstrap = start.run(&mut run).unwrap().unwrap();
+        let mut starting = start.begin(&run);
+        while start.step(&mut run, &mut starting).unwrap() {}
+        let given = starting.given();
+        assert_eq!(given.photons.is_some(), photons, "a map of photons");
+        let bootstrap = start.finish(&mut run, starting).unwrap().unwrap();
         let start = Start { seed: seed + 1_000_000, ..start };
-        let (candidates, by) = start.candidates(&mut run, &bootstrap.strategies, CANDIDATES, CANDIDATE_PASS).unwrap();
+        let (candidates, by) =
+            start.candidates(&mut run, &bootstrap.strategies, given, CANDIDATES, CANDIDATE_PASS).unwrap();
         let mut chosen: Vec<u32> = (0..CANDIDATES).filter(|i| candidates[*i as usize].weight() > 0.0).collect();
         // Candidates come by strategy; every group is to have its share of all.
         chosen.sort_by_key(|i| rng::random_words(SEED, *i, seed, 0));
@@ -88,7 +101,7 @@ fn move_chains(context: &Context, scene: &Scene, mixed: &Mixed, chains: usize) -
         assert!(lit > PATHS as usize / 4, "{lit} candidates carry light");
         // The rest are copies that only guide.
         let chosen: Vec<u32> = chosen.iter().copied().cycle().take(PATHS as usize).collect();
-        start.fill(&mut run, &by, &chosen).unwrap();
+        start.fill(&mut run, given, &by, &chosen).unwrap();
         // I / density, over w of the two-stage target.
         let weights: Vec<f64> = chosen[..lit]
             .iter()
@@ -99,7 +112,9 @@ fn move_chains(context: &Context, scene: &Scene, mixed: &Mixed, chains: usize) -
         run.clear(Buffer::Output);
         let build = Build {
             features,
-            min_edges: 1,
+            direct: Direct::Mcmc,
+            photons,
+            given,
             max_edges: MAX_EDGES,
             maps: false,
             two_stage: mixed.two_stage.is_some(),
@@ -167,6 +182,14 @@ fn the_mix_of_mlt_leaves_the_target_alone() {
 #[test]
 fn the_mix_of_emlt_leaves_the_target_alone() {
     check_default(&context(), &scene_of(SCENE), Method::Emlt, 1_000_000);
+}
+
+/// With a map of photons, which the independence kernel proposes by and paths are weighed by.
+#[test]
+fn the_mix_of_emlt_with_photons_leaves_the_target_alone() {
+    let scene = scene_of(SPECULAR_SCENE);
+    assert!(has_photons(Features::of(&scene)));
+    check_default(&context(), &scene, Method::Emlt, 300_000);
 }
 
 #[test]

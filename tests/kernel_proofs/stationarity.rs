@@ -163,7 +163,7 @@ impl Source {
             let (candidates, by) = bench.candidates_by(&source.strategies, 1 << 17, seed);
             let pilot = candidates.iter().zip(&by).map(|(candidate, by)| {
                 let weight = if applies(candidate) { candidate.weight() } else { 0.0 };
-                (*by, weight, f64::from(candidate.rays))
+                (*by, weight, candidate.rays())
             });
             let found = candidates.iter().filter(|candidate| applies(candidate)).count();
             assert!(found >= 300, "the kernel applies to {found} candidates");

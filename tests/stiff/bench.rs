@@ -1,7 +1,8 @@
 //! Paths on a device, over which single passes run.
 
-use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, Bootstrap, CANDIDATE_PASS, Candidate, Start};
+use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, Bootstrap, CANDIDATE_PASS, Candidate, Given, Start};
 use emlt::ensemble::groups::Groups;
+use emlt::ensemble::path_traced::Direct;
 use emlt::ensemble::pool::TypeKey;
 use emlt::ensemble::sweep::list_words;
 use emlt::gpu::context::Context;
@@ -30,7 +31,8 @@ impl<'a> Bench<'a> {
         let mut run = Run::new(context, &data, sizes).unwrap();
         let start = Start {
             features: Features::of(scene),
-            min_edges: 1,
+            direct: Direct::Mcmc,
+            photon_row: None,
             max_edges,
             two_stage: None,
             candidates: 1 << 16,
@@ -83,7 +85,7 @@ impl<'a> Bench<'a> {
     /// Candidates with their strategies, which [`Start::fill`] takes.
     pub fn candidates(&mut self, count: u32) -> (Vec<Candidate>, Vec<[u32; 2]>) {
         let strategies = self.bootstrap.strategies.clone();
-        self.start.candidates(&mut self.run, &strategies, count, CANDIDATE_PASS).unwrap()
+        self.start.candidates(&mut self.run, &strategies, Given::default(), count, CANDIDATE_PASS).unwrap()
     }
 
     /// Rows of four numbers of the output buffer.

@@ -1,6 +1,7 @@
 //! Item 9: guides that leave the covariance of a step singular: none, one, all at one place or on a line. The device's step
 //! and the log ratio of its densities there and back are those of the twin in f64.
 
+use emlt::ensemble::bootstrap::Given;
 use emlt::gpu::context::Context;
 use emlt::gpu::layout::{PassUniform, ROW_COLOUR, ROW_PIXEL};
 use emlt::kernels::guided_lens;
@@ -64,7 +65,10 @@ fn singular_covariances() {
         ("guides on a line beside it", (0..MOST).map(|i| [x[0] - 20.0 + 3.0 * f64::from(i), x[1] + 5.0]).collect()),
     ];
     for (name, guides) in cases {
-        bench.start.fill(&mut bench.run, &strategies, &vec![chosen as u32; (MOVING + MOST) as usize]).unwrap();
+        bench
+            .start
+            .fill(&mut bench.run, Given::default(), &strategies, &vec![chosen as u32; (MOVING + MOST) as usize])
+            .unwrap();
         let mut pixels = bench.row(ROW_PIXEL);
         for (row, guide) in pixels[MOVING as usize..].iter_mut().zip(&guides) {
             [row[0], row[1]] = guide.map(|v| (v as f32).to_bits());

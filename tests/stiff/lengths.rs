@@ -1,7 +1,7 @@
 //! Item 7: paths of 64 edges, the longest there are. In furnaces so dark that their light is 1e-140 of the shortest's, b of
 //! every length has a closed form, and all of it comes from products of 64 factors.
 
-use emlt::ensemble::bootstrap::Mean;
+use emlt::ensemble::bootstrap::{Given, Mean};
 use emlt::ensemble::crossings::{Pair, PairList, Partners};
 use emlt::ensemble::cuts::{CutEntry, CutList};
 use emlt::ensemble::pool::{MAX_EDGES, Pool, TypeKey};
@@ -100,7 +100,7 @@ fn long_keys_are_those_of_the_host() {
     let (candidates, strategies) = bench.candidates(1 << 16);
     let chosen: Vec<u32> = (0..).zip(&candidates).filter(|(_, c)| c.weight() > 0.0).map(|(i, _)| i).collect();
     let chosen: Vec<u32> = chosen.into_iter().rev().take(2 * HALF as usize).collect();
-    bench.start.fill(&mut bench.run, &strategies, &chosen).unwrap();
+    bench.start.fill(&mut bench.run, Given::default(), &strategies, &chosen).unwrap();
     let keys = bench.keys();
     let drawn: Vec<TypeKey> = chosen.iter().map(|i| candidates[*i as usize].key().unwrap()).collect();
     assert!(keys == drawn, "stored keys are not those of the candidates");

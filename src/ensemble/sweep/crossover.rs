@@ -21,7 +21,7 @@ impl Ensemble {
             first: [half, 1 - half].map(|h| self.build.groups.first(h, group)),
             shift: random(PARTNERS.0 - group, PARTNERS.1)[0],
         });
-        let list = PairList::draw(groups, random, self.build.min_edges..=self.build.max_edges);
+        let list = PairList::draw(groups, random, self.build.direct.min_edges()..=self.build.max_edges);
         run.set_lists(&list.words);
         let pairs = list.pairs.len() as u32;
         let base =

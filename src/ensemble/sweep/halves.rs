@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::Ensemble;
-use crate::ensemble::bootstrap::weight;
 use crate::ensemble::build::Build;
+use crate::ensemble::candidate::weight;
 use crate::ensemble::groups::Group;
 use crate::ensemble::guidance::{Guidance, NORMAL_LENGTH, SIMILARITY_RADIUS};
 use crate::ensemble::pool::{Pool, TypeKey};

@@ -8,7 +8,7 @@ use crate::ensemble::pool::MAX_EDGES;
 /// Every combination of features with every flag set that the renderer uses, and some with those that its tests use.
 #[test]
 fn every_shader_of_every_feature_set_validates() {
-    let flag_sets: [(&str, &[&[&str]]); 15] = [
+    let flag_sets: [(&str, &[&[&str]]); 16] = [
         (
             "bidirectional",
             &[
@@ -20,6 +20,8 @@ fn every_shader_of_every_feature_set_validates() {
                 &["segment", "maps", "two_stage"],
                 &["segment", "guided", "two_stage"],
                 &["segment", "guided", "maps", "two_stage"],
+                &["segment", "path_traced"],
+                &["segment", "guided", "two_stage", "path_traced"],
                 &["segment", "twin_places"],
                 &["segment", "twin_lens"],
                 &["segment", "twin_blocked"],
@@ -39,10 +41,10 @@ fn every_shader_of_every_feature_set_validates() {
                 &["segment", "subpath", "light_side"],
                 &["segment", "subpath", "light_side", "guided"],
                 &["segment", "subpath", "maps"],
-                &["segment", "subpath", "two_stage", "indirect"],
+                &["segment", "subpath", "two_stage", "path_traced"],
                 &["segment", "subpath", "light_side", "maps", "two_stage"],
-                &["segment", "subpath", "light_side", "guided", "indirect"],
-                &["segment", "subpath", "light_side", "guided", "maps", "two_stage", "indirect"],
+                &["segment", "subpath", "light_side", "guided", "path_traced"],
+                &["segment", "subpath", "light_side", "guided", "maps", "two_stage", "path_traced"],
                 &["segment", "subpath", "probe"],
                 &["segment", "subpath", "probe", "probe_back"],
                 &["segment", "subpath", "probe", "probe_density"],
@@ -54,11 +56,12 @@ fn every_shader_of_every_feature_set_validates() {
                 &["segment", "subpath", "light_side", "guided", "probe", "probe_density"],
             ],
         ),
-        ("bootstrap", &[&[], &["indirect"]]),
+        ("bootstrap", &[&[], &["path_traced"], &["photons"], &["path_traced", "photons"]]),
+        ("photons", &[&[]]),
         ("gather", &[&[]]),
-        ("crossover", &[&[]]),
+        ("crossover", &[&[], &["path_traced"]]),
         ("exchange", &[&[], &["maps"], &["two_stage"], &["maps", "two_stage"], &["probe"], &["twin_one_sided"]]),
-        ("weigh", &[&[], &["probe"]]),
+        ("weigh", &[&[], &["probe"], &["photons"]]),
         (
             "independence",
             &[
@@ -66,14 +69,18 @@ fn every_shader_of_every_feature_set_validates() {
                 &["maps"],
                 &["two_stage"],
                 &["maps", "two_stage"],
-                &["indirect"],
-                &["maps", "indirect"],
-                &["two_stage", "indirect"],
-                &["maps", "two_stage", "indirect"],
+                &["path_traced"],
+                &["maps", "path_traced"],
+                &["two_stage", "path_traced"],
+                &["maps", "two_stage", "path_traced"],
+                &["photons"],
+                &["two_stage", "photons"],
+                &["two_stage", "path_traced", "photons"],
+                &["maps", "two_stage", "path_traced", "photons"],
             ],
         ),
         ("rest", &[&[], &["maps"], &["two_stage"], &["maps", "two_stage"]]),
-        ("path_trace", &[&[]]),
+        ("path_trace", &[&[], &["path_traced"]]),
         ("bsdf_probe", &[&[], &["probe"]]),
         ("surface_probe", &[&[]]),
         ("chain_probe", &[&["manifold"], &["manifold", "twin_flat"]]),
