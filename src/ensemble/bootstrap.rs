@@ -300,7 +300,7 @@ impl Start {
         weights.iter().for_each(|w| target.add(*w));
         let largest_share = weights.iter().copied().fold(0.0, f64::max) / target.sum;
         let types = TypeShares::of_start(lit.iter().map(|lit| lit.key).zip(weights.iter().copied()));
-        let (chosen, shared) = self.choose(&lit, &weights);
+        let (chosen, shared) = self.choose(&lit, &weights, draw.round);
         self.fill_with(run, draw.given, chosen.iter().map(|&i| (draw.strategy(i), i)))?;
         let strategies = draw.strategies;
         Ok(Some(Bootstrap { strategies, b, target, pixel_weights, rays, largest_share, non_finite, shared, types }))

@@ -17,12 +17,15 @@ pub(super) struct Lit {
     pub(super) key: [u32; 4],
 }
 
+/// Subsets by which the start's rounds are shifted against each other: no factor in common with any number of subsets, 2 to 16.
+const GROUPS_A_ROUND: u32 = 11;
+
 impl Start {
     /// Seeds of both halves: candidates drawn with probability proportional to weight by systematic resampling along a
     /// Hilbert curve over the film. Every half of every group draws from candidates of its own (METHOD.md 1.3 c), every so
-    /// many of the list, which is sorted by strategy: each has its share of all strategies.
+    /// many of the list, whose rounds are sorted by strategy: each has its share of all strategies.
     /// With the seeds comes whether that could not be done: where hardly any candidates carry light, groups share them.
-    pub(super) fn choose(&self, lit: &[Lit], weights: &[f64]) -> (Vec<u32>, bool) {
+    pub(super) fn choose(&self, lit: &[Lit], weights: &[f64], round: u32) -> (Vec<u32>, bool) {
         let side = self.film[0].max(self.film[1]).next_power_of_two();
         let seeds = self.groups.group_paths();
         // In the order of paths: the groups of the first half, then those of the second.
@@ -31,7 +34,9 @@ impl Start {
         for (place, Lit { index, pixel, .. }) in (0..).zip(lit) {
             let [x, y] = pixel.map(|p| p.max(0.0) as u32);
             let along = hilbert_index(side, x.min(side - 1), y.min(side - 1));
-            pools[*index as usize % count].push((along, place));
+            // Strategies of few candidates a round give them to others every time.
+            let turn = *index / round.max(1) * GROUPS_A_ROUND;
+            pools[(*index + turn) as usize % count].push((along, place));
         }
         pools.par_iter_mut().for_each(|pool| pool.sort_unstable());
         let mut chosen = Vec::with_capacity(self.groups.paths() as usize);

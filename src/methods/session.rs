@@ -208,7 +208,9 @@ mod tests {
     fn cut_steps_give_the_same_image() {
         let scene = import(std::path::Path::new("scenes/cornell.glb")).unwrap();
         let context = Context::open(None).unwrap();
-        for (method, direct, spp) in [(Method::Pt, Direct::Mcmc, 3), (Method::Emlt, Direct::Pt, 20)] {
+        for (method, direct, spp) in
+            [(Method::Pt, Direct::Mcmc, 3), (Method::Emlt, Direct::Pt, 20), (Method::Emlt, Direct::Auto, 20)]
+        {
             let budget = Budget::SamplesPerPixel(spp);
             // Some batches of candidates are as good as many.
             let candidates = 1 << 17;

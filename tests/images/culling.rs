@@ -48,7 +48,7 @@ fn furnace_from_outside_by_mlt() {
 
 #[test]
 fn furnace_from_outside_by_emlt() {
-    check_furnace(Emlt, 2000, Power { film: 0.02, tile: 0.08 });
+    check_furnace(Emlt, 3000, Power { film: 0.02, tile: 0.08 });
 }
 
 /// The coloured box from outside, and on the back of its near wall the light of a second lamp, beside the view: nobody
