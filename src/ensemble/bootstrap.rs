@@ -110,6 +110,13 @@ struct Draw {
 }
 
 impl Draw {
+    /// The same in rounds that are alike; a few candidates fewer where they cannot share them evenly.
+    fn in_rounds(mut self) -> Self {
+        self.round = self.count / (self.count / ROUND).max(1);
+        self.count -= self.count % self.round.max(1);
+        self
+    }
+
     fn is_done(&self) -> bool {
         self.made == self.count
     }
@@ -280,7 +287,7 @@ impl Start {
             }
             *draw = match pilots.get(*round) {
                 Some(count) => self.draw(run, strategies, given, *count, PILOT_PASSES[*round]),
-                None => self.draw(run, strategies, given, starting.candidates, CANDIDATE_PASS),
+                None => self.draw(run, strategies, given, starting.candidates, CANDIDATE_PASS).in_rounds(),
             };
         }
         Ok(!starting.is_done())
@@ -306,7 +313,7 @@ impl Start {
         Ok(Some(Bootstrap { strategies, b, target, pixel_weights, rays, largest_share, non_finite, shared, types }))
     }
 
-    /// Makes about `count` candidates, with their strategies; systematic over strategies, so neighbours share one.
+    /// Makes `count` candidates, with their strategies; systematic over strategies, so neighbours share one.
     pub fn candidates(
         &self,
         run: &mut Run,
@@ -328,8 +335,7 @@ impl Start {
     fn draw(&self, run: &Run, strategies: Strategies, given: Given, count: u32, pass_index: u32) -> Draw {
         run.set_strategies(&strategies.log_table());
         let offset = rng::uniform(rng::random_words(self.seed, 0, pass_index, u32::MAX)[0]);
-        let round = count / (count / ROUND).max(1);
-        let count = count - count % round.max(1);
+        let round = count;
         Draw { strategies, given, pass_index, offset, count, round, made: 0, batch: Vec::new() }
     }
 
