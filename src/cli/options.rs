@@ -90,8 +90,8 @@ pub struct Options {
     #[arg(long, value_enum, default_value_t = Resemblance::Positions)]
     pub similarity: Resemblance,
 
-    /// Who renders direct light, paths of at most 2 edges (mlt, emlt) [default: auto for emlt, but mcmc where maps or a mix of
-    /// kernels are asked for; mcmc for mlt]
+    /// Who renders light that a path tracer finds easily: direct light, paths of at most 2 edges, or what the start finds easy (mlt,
+    /// emlt) [default: auto for emlt, but mcmc where maps or a mix of kernels are asked for; mcmc for mlt]
     #[arg(long, value_enum)]
     pub direct: Option<Direct>,
 

@@ -14,11 +14,11 @@ use crate::scene::Features;
 /// Who renders light that the path tracer could (METHOD.md 1.5).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Direct {
-    /// The chains, with all other light
+    /// The chains: all light is theirs
     Mcmc,
-    /// The path tracer
+    /// The path tracer renders direct light
     Pt,
-    /// The path tracer, and all types of paths that it finds easily, as the start's pilot shows
+    /// The path tracer renders whatever types of paths it finds easily, as the start's pilot shows
     Auto,
 }
 

@@ -34,7 +34,7 @@ impl ErrorLog {
     /// Adds a row; none where nothing was rendered since the last one.
     pub fn row(&mut self, outcome: &Outcome) -> Result<()> {
         let Outcome { image, statistics: s, .. } = outcome;
-        // Where all light is direct, there are no others.
+        // Where all light is path traced, there are no others.
         let samples = if s.samples > 0 { s.samples } else { s.path_traced_samples };
         if self.samples.replace(samples) == Some(samples) {
             return Ok(());
