@@ -78,7 +78,7 @@ fn with_everything(mut scene: Scene) -> Scene {
     scene.tangents.resize(n, Vec4::X);
     scene.colors.resize(n, Vec4::ONE);
     let image = scene.images.len() as u32;
-    let texel = |i: u32| 0x80ff_8080 | (i * 40 & 0x7f);
+    let texel = |i: u32| 0x80ff_8080 | ((i * 40) & 0x7f);
     scene.images.push(Image { width: 2, height: 2, texels: (0..4).map(texel).collect() });
     let texture =
         |slot| Texture { image, srgb: false, linear: true, wrap: [Wrap::Repeat; 2], slot, transform: IDENTITY };

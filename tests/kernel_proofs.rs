@@ -55,7 +55,7 @@ use emlt::kernels::{
     guided_multi_chain, jump, kept_lens, lens, manifold, multi_chain, walk_lens,
 };
 use emlt::scene::Scene;
-use invariance::{FEWER, LOOKS, RARE, Z_LIMIT, check_stationarity, check_stationarity_on};
+use invariance::{FEWER, LOOKS, RARE, Z_LIMIT, check_long, check_stationarity, check_stationarity_on};
 
 const SCENE: &str = "coloured_box.glb";
 /// All light starts inside glass, and a mirror's shading normals lean: the scene of the kernels that need specular

@@ -354,8 +354,7 @@ impl Start {
         let variant = variant(self.features, self.direct, self.photon_row.is_some(), self.max_edges);
         let uniform = PassUniform { entries, pass_index: draw.pass_index, ..self.uniform(draw.given) };
         run.submit(&[Dispatch { variant, uniform }])?;
-        let bytes = run.read(Buffer::Output, 0..size_of::<Candidate>() as u64 * u64::from(entries))?;
-        draw.batch = bytemuck::cast_slice(&bytes).to_vec();
+        draw.batch = run.read(Buffer::Output, 0..size_of::<Candidate>() as u64 * u64::from(entries))?;
         draw.made += entries;
         Ok(())
     }

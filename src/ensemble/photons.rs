@@ -158,10 +158,9 @@ impl Start {
             let uniform =
                 PassUniform { entries, entries_offset: first, pass_index: PHOTON_PASS, ..self.uniform(self.given()) };
             run.submit(&[Dispatch { variant, uniform }])?;
-            let bytes = run.read(Buffer::Output, 0..32 * u64::from(entries))?;
-            let rows: &[[[f32; 4]; 2]] = bytemuck::cast_slice(&bytes);
+            let rows: Vec<[[f32; 4]; 2]> = run.read(Buffer::Output, 0..32 * u64::from(entries))?;
             made += entries;
-            found.extend(rows.iter().copied().filter_map(Photon::from_rows));
+            found.extend(rows.into_iter().filter_map(Photon::from_rows));
         }
         if found.len() * MOST_WALKS_A_PHOTON < made as usize {
             return Ok(None);

@@ -5,6 +5,8 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use bytemuck::Pod;
+
 use super::context::Context;
 use super::layout::{PassUniform, WEIGHT_ENTRIES, strategy_words};
 use super::pipelines::{Builder, Built, Compilation};
@@ -312,14 +314,14 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Waits for all work, then copies a byte range of a buffer.
-    pub fn read(&mut self, buffer: Buffer, range: Range<u64>) -> Result<Vec<u8>> {
+    /// Waits for all work, then copies a byte range of a buffer, as the words or rows that lie there.
+    pub fn read<T: Pod>(&mut self, buffer: Buffer, range: Range<u64>) -> Result<Vec<T>> {
         self.read_ranges(buffer, std::slice::from_ref(&range))
     }
 
     /// Waits for all work, then copies byte ranges of a buffer, one after another.
-    pub fn read_ranges(&mut self, buffer: Buffer, ranges: &[Range<u64>]) -> Result<Vec<u8>> {
-        self.look_at(buffer, ranges, <[u8]>::to_vec)
+    pub fn read_ranges<T: Pod>(&mut self, buffer: Buffer, ranges: &[Range<u64>]) -> Result<Vec<T>> {
+        self.look_at(buffer, ranges, bytemuck::pod_collect_to_vec)
     }
 
     /// Waits for all work, then shows byte ranges of a buffer, one after another: for a look at a few of many.
@@ -335,6 +337,10 @@ impl<'a> Run<'a> {
         look: impl FnOnce(&[u8]) -> T,
     ) -> Result<T> {
         let total: u64 = ranges.iter().map(|r| r.end - r.start).sum();
+        if total == 0 {
+            // There is nothing to map.
+            return Ok(look(bytemuck::cast_slice::<u128, u8>(&[])));
+        }
         let device = &self.context.device;
         if self.staging.as_ref().is_none_or(|s| s.size() < total) {
             self.staging = Some(device.create_buffer(&wgpu::BufferDescriptor {

@@ -95,10 +95,11 @@ impl Sources {
         let mut resolver = VirtualResolver::new();
         match &self.folder {
             None => add_modules(&SOURCES, &mut resolver)?,
-            Some(modules) => modules
-                .iter()
-                .try_for_each(|(inside, text)| Ok(resolver.add_module(module_path(inside)?, Cow::Borrowed(text))))
-                .map_err(|error: String| error)?,
+            Some(modules) => {
+                for (inside, text) in modules.iter() {
+                    resolver.add_module(module_path(inside)?, Cow::Borrowed(text));
+                }
+            }
         }
         compose_with(resolver, variant, workgroup)
     }
@@ -128,9 +129,8 @@ fn compose_with(mut resolver: VirtualResolver, variant: &Variant, workgroup: u32
     let constants = [("MAX_EDGES", variant.max_edges), ("MOST_GUIDES", MOST_GUIDES), ("WORKGROUP", workgroup)];
     let constants: String = constants.iter().map(|(name, value)| format!("const {name}: u32 = {value}u;\n")).collect();
     resolver.add_module(module_path("specialised")?, Cow::Owned(constants));
-    let mut options = CompileOptions::default();
     // naga validates what comes out.
-    options.validate = false;
+    let mut options = CompileOptions { validate: false, ..Default::default() };
     options.features.default = Feature::Error;
     for (name, value) in variant.features.flags() {
         options.features.flags.insert(name.into(), value.into());

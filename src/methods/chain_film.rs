@@ -70,11 +70,12 @@ pub(super) fn maps(settings: &Settings, value: impl Fn(usize, usize) -> f32) -> 
 }
 
 /// Accepted over proposed by pixel, from both as the shaders count them; NaN where nothing was proposed.
-pub(super) fn acceptance(kernel: &str, bytes: &[u8]) -> Channel {
-    let (words, _) = bytes.as_chunks::<4>();
-    let counts: Vec<u32> = words.iter().map(|word| u32::from_le_bytes(*word)).collect();
-    let share = |count: &[u32]| if count[0] == 0 { f32::NAN } else { count[1] as f32 / count[0] as f32 };
-    Channel { name: format!("{ACCEPTANCE}{kernel}"), values: counts.chunks_exact(2).map(share).collect() }
+pub(super) fn acceptance(kernel: &str, counts: &[[u32; 2]]) -> Channel {
+    let share = |[proposed, accepted]: &[u32; 2]| match proposed {
+        0 => f32::NAN,
+        _ => *accepted as f32 / *proposed as f32,
+    };
+    Channel { name: format!("{ACCEPTANCE}{kernel}"), values: counts.iter().map(share).collect() }
 }
 
 /// What chains without any light to carry make.
@@ -85,10 +86,8 @@ pub(super) fn black(settings: &Settings, statistics: Statistics) -> Outcome {
 }
 
 /// Channels of pixels from the integer film as the shaders leave it: low and high word each.
-pub(super) fn channels_of<const N: usize>(bytes: &[u8]) -> Vec<[f64; N]> {
-    let (words, _) = bytes.as_chunks::<8>();
-    let value = |word: [u8; 8]| u64::from_le_bytes(word) as f64 / FILM_SCALE;
-    words.chunks_exact(N).map(|pixel| std::array::from_fn(|c| value(pixel[c]))).collect()
+pub(super) fn channels_of<const N: usize>(units: &[[u64; N]]) -> Vec<[f64; N]> {
+    units.iter().map(|pixel| pixel.map(|value| value as f64 / FILM_SCALE)).collect()
 }
 
 /// Total luminance over w: one per mutation if no weight is lost (METHOD.md 1.4, C12).

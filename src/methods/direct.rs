@@ -41,7 +41,7 @@ enum Tracer<'a> {
     /// What it has to do is not known yet.
     Unknown,
     Idle,
-    Busy(PathTracer<'a>),
+    Busy(Box<PathTracer<'a>>),
 }
 
 impl<'a> Both<'a> {
@@ -79,8 +79,13 @@ impl<'a> Both<'a> {
         let max_depth = self.settings.max_depth.min(path_traced.longest());
         let part = Settings { max_depth, budget, ..self.settings.clone() };
         let part = (&part, Some((path_traced, FIRST_PASS)));
-        self.tracer =
-            Tracer::Busy(PathTracer::new(self.context, Arc::clone(&self.scene), self.features, part.0, part.1)?);
+        self.tracer = Tracer::Busy(Box::new(PathTracer::new(
+            self.context,
+            Arc::clone(&self.scene),
+            self.features,
+            part.0,
+            part.1,
+        )?));
         Ok(())
     }
 

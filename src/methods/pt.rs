@@ -103,8 +103,7 @@ impl<'a> PathTracer<'a> {
         };
         let dispatches: Vec<Dispatch> = (0..passes).map(|i| self.dispatch(self.samples + i, count)).collect();
         self.run.submit(&dispatches)?;
-        let counters = self.run.read(Buffer::Counters, 0..4 * COUNTER_WORDS as u64)?;
-        let counters: &[u32] = bytemuck::cast_slice(&counters);
+        let counters: Vec<u32> = self.run.read(Buffer::Counters, 0..4 * COUNTER_WORDS as u64)?;
         self.rays += u64::from(counters[COUNTER_RAYS]);
         self.non_finite += u64::from(counters[COUNTER_NON_FINITE]);
         self.run.clear(Buffer::Counters);
@@ -180,9 +179,8 @@ impl Part for PathTracer<'_> {
         let pixels = self.pixels() as usize;
         let statistics = self.statistics();
         let device_time = self.run.device_time;
-        let bytes = self.run.read(Buffer::Output, 0..48 * pixels as u64)?;
+        let rows: Vec<[f32; 4]> = self.run.read(Buffer::Output, 0..48 * pixels as u64)?;
         self.run.device_time = device_time;
-        let rows: &[[f32; 4]] = bytemuck::cast_slice(&bytes);
         let [width, height] = self.size;
         let mut image = Image { width, height, pixels: Vec::with_capacity(pixels) };
         let mut variances: Vec<[f64; CHANNELS]> = Vec::with_capacity(pixels);

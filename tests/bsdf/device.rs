@@ -66,8 +66,7 @@ impl<'a> Device<'a> {
             PassUniform { seed: 1, pass_index, entries: entries as u32, stride: ENTRIES as u32, ..Default::default() };
         let variant = Variant { pass: "bsdf_probe", features: self.features, max_edges: 4, flags: flags.to_vec() };
         self.run.submit(&[Dispatch { variant, uniform }]).unwrap();
-        let bytes = self.run.read(Buffer::Output, 0..32 * entries as u64).unwrap();
-        bytemuck::cast_slice(&bytes).to_vec()
+        self.run.read(Buffer::Output, 0..32 * entries as u64).unwrap()
     }
 
     /// `count` directions sampled for `w_in`, with their tags.

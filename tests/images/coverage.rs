@@ -81,8 +81,8 @@ fn check(name: &str, (scene, truth): (Scene, Image), options: Settings, samples_
         let outcome = render(&scene, &Settings { seed, ..settings.clone() });
         let uncertainty = outcome.uncertainty.unwrap();
         luminance.add(&uncertainty.film[Y], film_truth[Y]);
-        for c in 0..Y {
-            film.add(&uncertainty.film[c], film_truth[c]);
+        for (estimate, truth) in uncertainty.film.iter().zip(film_truth).take(Y) {
+            film.add(estimate, truth);
         }
         let tiling = Tiling::of(truth.width, truth.height);
         let mut pixels = vec![[0.0; 3]; tiling.count()];

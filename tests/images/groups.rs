@@ -94,7 +94,7 @@ fn render(context: &Context, groups: Groups, changed: bool) -> Left {
 
 fn read_row(run: &mut Run, row: usize) -> Vec<[u32; 4]> {
     let bytes = 16 * u64::from(PATHS);
-    bytemuck::pod_collect_to_vec(&run.read(Buffer::Chains, row as u64 * bytes..(row as u64 + 1) * bytes).unwrap())
+    run.read(Buffer::Chains, row as u64 * bytes..(row as u64 + 1) * bytes).unwrap()
 }
 
 /// Exchanges the halves of the changed group.

@@ -101,7 +101,7 @@ impl<'a> Bench<'a> {
     }
 
     /// Rows of the chains one after another, for the first `count` paths.
-    pub fn row_bytes(&mut self, rows: &[usize], count: u32) -> Vec<u8> {
+    pub fn rows_of(&mut self, rows: &[usize], count: u32) -> Vec<[u32; 4]> {
         let ranges: Vec<_> = rows
             .iter()
             .map(|row| {
@@ -113,21 +113,20 @@ impl<'a> Bench<'a> {
     }
 
     /// All of the first `count` paths, to be put back.
-    pub fn kept(&mut self, count: u32) -> Vec<u8> {
-        self.row_bytes(&Vec::from_iter(0..row_guide(MAX_EDGES)), count)
+    pub fn kept(&mut self, count: u32) -> Vec<[u32; 4]> {
+        self.rows_of(&Vec::from_iter(0..row_guide(MAX_EDGES)), count)
     }
 
-    pub fn put_back(&mut self, kept: &[u8], count: u32) {
-        for (row, bytes) in kept.chunks_exact(16 * count as usize).enumerate() {
-            self.run.set_chains(16 * row as u64 * u64::from(COLUMNS), bytes);
+    pub fn put_back(&mut self, kept: &[[u32; 4]], count: u32) {
+        for (row, kept) in kept.chunks_exact(count as usize).enumerate() {
+            self.run.set_chains(16 * row as u64 * u64::from(COLUMNS), bytemuck::cast_slice(kept));
         }
     }
 
     /// A row of the chains, for `count` paths from `first` on.
     pub fn rows(&mut self, row: usize, first: u32, count: u32) -> Vec<[u32; 4]> {
         let start = 16 * (row as u64 * u64::from(COLUMNS) + u64::from(first));
-        let bytes = self.run.read(Buffer::Chains, start..start + 16 * u64::from(count)).unwrap();
-        bytemuck::cast_slice(&bytes).to_vec()
+        self.run.read(Buffer::Chains, start..start + 16 * u64::from(count)).unwrap()
     }
 
     pub fn pixels(&mut self, count: u32) -> Vec<[f32; 2]> {
@@ -164,8 +163,8 @@ impl<'a> Bench<'a> {
     /// Keeps the first HALF paths where a probing pass finds the way back to them.
     pub fn keep_origins(&mut self) {
         let kept = self.kept(HALF);
-        for (row, bytes) in kept.chunks_exact(16 * HALF as usize).enumerate() {
-            self.run.set_chains(16 * (row as u64 * u64::from(COLUMNS) + u64::from(PATHS)), bytes);
+        for (row, kept) in kept.chunks_exact(HALF as usize).enumerate() {
+            self.run.set_chains(16 * (row as u64 * u64::from(COLUMNS) + u64::from(PATHS)), bytemuck::cast_slice(kept));
         }
     }
 
@@ -278,8 +277,7 @@ impl<'a> Bench<'a> {
 
     /// The records of the last probing pass.
     pub fn records(&mut self, count: u32) -> Vec<[f32; 4]> {
-        let bytes = self.run.read(Buffer::Output, 0..16 * u64::from(count)).unwrap();
-        bytemuck::cast_slice(&bytes).to_vec()
+        self.run.read(Buffer::Output, 0..16 * u64::from(count)).unwrap()
     }
 
     pub fn lens_records(&mut self, count: u32) -> Vec<Record> {

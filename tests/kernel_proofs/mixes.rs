@@ -32,8 +32,7 @@ fn places(run: &mut Run, half: usize) -> Vec<Place> {
         let start = 16 * (row as u64 * u64::from(PATHS) + half as u64 * u64::from(HALF));
         start..start + 16 * u64::from(HALF)
     };
-    let bytes = run.read_ranges(Buffer::Chains, &PLACE_ROWS.map(range)).unwrap();
-    let rows: &[[u32; 4]] = bytemuck::cast_slice(&bytes);
+    let rows: Vec<[u32; 4]> = run.read_ranges(Buffer::Chains, &PLACE_ROWS.map(range)).unwrap();
     let n = HALF as usize;
     (0..n).map(|i| place([rows[i], rows[n + i], rows[2 * n + i]])).collect()
 }

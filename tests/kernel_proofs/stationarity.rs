@@ -22,6 +22,8 @@ pub struct Verdict {
     /// How many there were.
     pub chains: usize,
     pub worst: f64,
+    /// What that bin is of, in words.
+    pub worst_bin: String,
     pub bins: usize,
     /// Sum of z^2 over its expectation: near 1 for an exact kernel.
     pub chi2: f64,
@@ -104,14 +106,22 @@ impl Paired {
     }
 
     pub fn verdict(&self) -> Verdict {
-        let mut verdict = Verdict { chains: self.chains, worst: 0.0, bins: 0, chi2: 0.0 };
+        let mut verdict = Verdict { chains: self.chains, worst: 0.0, worst_bin: String::new(), bins: 0, chi2: 0.0 };
         let mean_square = self.weights[0] / self.weights[1].max(1.0);
         // The normal law needs a few hundred terms in a bin, and not only light ones: where a lamp has dark texels, the few
         // heavy chains that come there from bright ones make up for hundreds that leave.
         let counts = |bin: &usize| self.touched[*bin] >= 300 && self.squares[*bin] >= 30.0 * mean_square;
         for bin in (0..BINS).filter(counts) {
             let z = self.sum[bin] / self.squares[bin].sqrt();
-            verdict.worst = verdict.worst.max(z.abs());
+            if z.abs() > verdict.worst {
+                verdict.worst = z.abs();
+                verdict.worst_bin = format!(
+                    "z {z:.2} in bin {bin} ({} edges where it is a tile), {} chains, sum of squares {:.1} times the mean square",
+                    bin / TILES + 1,
+                    self.touched[bin],
+                    self.squares[bin] / mean_square
+                );
+            }
             verdict.chi2 += z * z;
             verdict.bins += 1;
         }
@@ -121,8 +131,7 @@ impl Paired {
 }
 
 fn places(bench: &mut Bench, count: u32) -> Vec<Place> {
-    let bytes = bench.row_bytes(&PLACE_ROWS, count);
-    let rows: &[[u32; 4]] = bytemuck::cast_slice(&bytes);
+    let rows = bench.rows_of(&PLACE_ROWS, count);
     let n = count as usize;
     (0..n).into_par_iter().map(|i| place([rows[i], rows[n + i], rows[2 * n + i]])).collect()
 }

@@ -14,7 +14,8 @@ use crate::room::{DIFFUSE, Held, Point, Room};
 use crate::structural::compared;
 use crate::sums::{Agreement, PROPOSALS, QUADRATURE, Sums};
 use crate::{
-    FEWER, GLOSSY, LAYERED, LOOKS, SCENE, SPECULAR_SCENE, Z_LIMIT, check_stationarity, say_symmetric, scene_of,
+    FEWER, GLOSSY, LAYERED, LOOKS, SCENE, SPECULAR_SCENE, Z_LIMIT, check_long, check_stationarity, say_symmetric,
+    scene_of,
 };
 
 pub const KERNELS: [&Kernel; 3] = [&lens_subpath::KERNEL, &light_subpath::KERNEL, &guided_light_subpath::KERNEL];
@@ -170,6 +171,12 @@ fn check(bench: &mut Bench, room: &Room, kernel: &Kernel, lost_cosine: bool) -> 
 }
 
 /// Every bin has an error probability of 1e-6, all together below 2e-4.
+#[test]
+#[ignore = "takes hours on a processor, minutes on a GPU; ./run test --long"]
+fn long_subpaths_leave_the_target_alone() {
+    [SCENE, SPECULAR_SCENE, GLOSSY, LAYERED].iter().for_each(|scene| check_long(scene, &KERNELS));
+}
+
 #[test]
 fn subpaths_estimate_what_they_can_reach() {
     let context = context();

@@ -50,8 +50,7 @@ impl Watch {
         self.states = after;
         let told: Vec<u32> = bench.rows(ROW_PIXEL, 0, 2 * HALF).iter().map(|row| row[3]).collect();
         assert!(told == self.waited, "{what}: the device has counted otherwise");
-        let bytes = bench.run.read(Buffer::Counters, 0..4 * COUNTER_WORDS as u64).unwrap();
-        let words: &[u32] = bytemuck::cast_slice(&bytes);
+        let words: Vec<u32> = bench.run.read(Buffer::Counters, 0..4 * COUNTER_WORDS as u64).unwrap();
         assert_eq!(words[COUNTER_LONGEST_WAIT], self.longest, "{what}");
         println!("{what}: {moved} of {} paths moved, longest wait {}", tried.len(), self.longest);
     }

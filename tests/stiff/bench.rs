@@ -68,8 +68,7 @@ impl<'a> Bench<'a> {
     /// A row of the chains, for all paths.
     pub fn row(&mut self, row: usize) -> Vec<[u32; 4]> {
         let size = 16 * u64::from(self.start.stride);
-        let bytes = self.run.read(Buffer::Chains, row as u64 * size..(row as u64 + 1) * size).unwrap();
-        bytemuck::cast_slice(&bytes).to_vec()
+        self.run.read(Buffer::Chains, row as u64 * size..(row as u64 + 1) * size).unwrap()
     }
 
     pub fn set_row(&mut self, row: usize, rows: &[[u32; 4]]) {
@@ -90,6 +89,6 @@ impl<'a> Bench<'a> {
 
     /// Rows of four numbers of the output buffer.
     pub fn records(&mut self, count: usize) -> Vec<[f32; 4]> {
-        bytemuck::cast_slice(&self.run.read(Buffer::Output, 0..16 * count as u64).unwrap()).to_vec()
+        self.run.read(Buffer::Output, 0..16 * count as u64).unwrap()
     }
 }

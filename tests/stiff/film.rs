@@ -16,8 +16,7 @@ const PATHS: u32 = 1 << 15;
 
 /// The pixel's channels, in the film's units.
 fn units(bench: &mut Bench) -> [u64; 3] {
-    let bytes = bench.run.read(Buffer::Output, 0..24).unwrap();
-    bytemuck::cast_slice::<u8, u64>(&bytes).try_into().unwrap()
+    bench.run.read(Buffer::Output, 0..24).unwrap().try_into().unwrap()
 }
 
 /// Splats every path `passes` times with `weight`, all in the one pixel.

@@ -43,7 +43,7 @@ fn probe_split(scene: &Scene, points: &[[u32; 4]], split: bool) -> Vec<[[f32; 4]
     let features = Features { split, ..Features::of(scene) };
     let variant = Variant { pass: "surface_probe", features, max_edges: 4, flags: vec![] };
     run.submit(&[Dispatch { variant, uniform }]).unwrap();
-    bytemuck::cast_slice(&run.read(Buffer::Output, 0..64 * n).unwrap()).to_vec()
+    run.read(Buffer::Output, 0..64 * n).unwrap()
 }
 
 /// So many triangles as need buffers of their own for their edges are looked up there as in one.

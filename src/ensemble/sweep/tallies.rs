@@ -26,9 +26,8 @@ pub(super) struct Tally {
 impl Ensemble {
     /// Adds the device's counters to the tallies and clears them.
     pub(super) fn tally(&mut self, run: &mut Run) -> Result<()> {
-        let bytes = run.read(Buffer::Counters, 0..counter_bytes(self.tallies.len()))?;
+        let words: Vec<u32> = run.read(Buffer::Counters, 0..counter_bytes(self.tallies.len()))?;
         run.clear(Buffer::Counters);
-        let words: &[u32] = bytemuck::cast_slice(&bytes);
         let seconds = run.times()?;
         let tallies = self.tallies.iter_mut().chain([&mut self.rest]);
         for (kernel, (tally, words)) in tallies.zip(words.chunks_exact(COUNTER_WORDS)).enumerate() {

@@ -34,8 +34,7 @@ impl Chains<'_> {
         // A layer at a time: all together would take several times the image's memory.
         let layer = layer_bytes(&self.settings);
         for group in 0..u64::from(groups) {
-            let bytes = self.run.read(Buffer::Output, group * layer..(group + 1) * layer)?;
-            let values: Vec<[f64; 3]> = channels_of(&bytes);
+            let values = channels_of::<3>(&self.run.read(Buffer::Output, group * layer..(group + 1) * layer)?);
             let lost = luminance(&values, &weights) / mutations - 1.0;
             integrity = if lost.abs() > integrity.abs() { lost } else { integrity };
             layers.add(&values);
