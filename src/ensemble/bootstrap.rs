@@ -9,6 +9,7 @@ use super::candidate::{rays, waited_for, weight};
 use super::groups::Groups;
 use super::path_traced::{Direct, Easy, PathTraced};
 use super::seeds::Lit;
+use super::sightings::Sighting;
 use super::strategies::Strategies;
 use super::two_stage::PixelWeights;
 use super::type_shares::TypeShares;
@@ -65,8 +66,8 @@ pub struct Start {
     pub features: Features,
     /// Who renders easy light.
     pub direct: Direct,
-    /// Row of the chains' buffer at which a map of photons is to be laid, where it may help.
-    pub photon_row: Option<u32>,
+    /// Row of the chains' buffer at which maps of where to look for light are to be laid, where they may help.
+    pub maps_row: Option<u32>,
     pub max_edges: u32,
     /// Exponent of a two-stage target.
     pub two_stage: Option<f64>,
@@ -86,12 +87,15 @@ pub struct Given {
     pub path_traced: PathTraced,
     /// Row of the chains' buffer at which the map of photons begins, if there is one.
     pub photons: Option<u32>,
+    /// Likewise the map of sightings.
+    pub sightings: Option<u32>,
 }
 
 impl Given {
     /// Tells the shaders of a pass.
     pub fn set(self, uniform: PassUniform) -> PassUniform {
-        PassUniform { photons_first: self.photons.unwrap_or(0), ..self.path_traced.set(uniform) }
+        let [photons_first, sightings_first] = [self.photons, self.sightings].map(|row| row.unwrap_or(0));
+        PassUniform { photons_first, sightings_first, ..self.path_traced.set(uniform) }
     }
 }
 
@@ -154,7 +158,10 @@ impl Made {
 
 /// A start on its way: first the pilots' candidates, then those that count.
 pub struct Starting {
-    wants_photons: bool,
+    /// Maps that are still to be made.
+    searches: Vec<Search>,
+    /// Where lamps were seen through specular vertices.
+    sightings: Vec<Sighting>,
     /// The path tracer's of the time after the start.
     time_share: f64,
     pixel_weights: Option<PixelWeights>,
@@ -199,9 +206,16 @@ impl Starting {
     }
 }
 
+/// What is looked for before there are candidates.
+#[derive(Debug, Clone, Copy)]
+enum Search {
+    Photons,
+    Sightings,
+}
+
 /// The pipeline of the start.
-pub fn variant(features: Features, direct: Direct, photons: bool, max_edges: u32) -> Variant {
-    let flags = direct.flag().into_iter().chain(photons.then_some("photons")).collect();
+pub fn variant(features: Features, direct: Direct, sought: bool, max_edges: u32) -> Variant {
+    let flags = direct.flag().into_iter().chain(sought.then_some("sought")).collect();
     Variant { pass: "bootstrap", features, max_edges, flags }
 }
 
@@ -216,13 +230,14 @@ impl Start {
 
     /// Begins what [`Self::run`] does at once; nothing is made yet.
     pub fn begin(&self, run: &Run) -> Starting {
-        let strategies = self.even();
-        let maps = self.direct == Direct::Auto || self.two_stage.is_some_and(|gamma| gamma > 0.0);
-        let pilots = if maps { TWO_STAGE_PILOTS } else { PILOTS };
+        let strategies = self.even(self.given());
+        let large = self.direct == Direct::Auto || self.two_stage.is_some_and(|gamma| gamma > 0.0);
+        let pilots = if large { TWO_STAGE_PILOTS } else { PILOTS };
         let pilots = pilots.map(|count| count.min(self.candidates));
         let draw = self.draw(run, strategies, self.given(), pilots[0], PILOT_PASSES[0]);
         Starting {
-            wants_photons: self.photon_row.is_some(),
+            searches: if self.maps_row.is_some() { vec![Search::Sightings, Search::Photons] } else { Vec::new() },
+            sightings: Vec::new(),
             time_share: DIRECT_TIME_SHARE,
             pixel_weights: None,
             made: Made::default(),
@@ -234,20 +249,32 @@ impl Start {
     }
 
     /// Strategies before anything is known.
-    fn even(&self) -> Strategies {
-        Strategies::uniform(self.direct.min_edges()..=self.max_edges, self.features.sky && !self.features.mixed)
+    fn even(&self, given: Given) -> Strategies {
+        let sky = self.features.sky && !self.features.mixed;
+        Strategies::uniform(self.direct.min_edges()..=self.max_edges, sky, given.sightings.is_some())
     }
 
     /// Makes one batch of candidates; whether more are to be made.
     pub fn step(&self, run: &mut Run, starting: &mut Starting) -> crate::Result<bool> {
-        if mem::take(&mut starting.wants_photons) {
-            starting.draw.given.photons = self.lay_photons(run)?;
-            return Ok(true);
+        match starting.searches.pop() {
+            Some(Search::Photons) => {
+                starting.draw.given.photons = self.lay_photons(run)?;
+                return Ok(true);
+            }
+            Some(Search::Sightings) => {
+                starting.sightings = self.seek(run)?;
+                let path_traced = starting.draw.given.path_traced;
+                let sightings = self.lay_sightings(run, &starting.sightings, path_traced);
+                let given = Given { sightings, ..starting.draw.given };
+                starting.draw = self.draw(run, self.even(given), given, starting.pilots[0], PILOT_PASSES[0]);
+                return Ok(true);
+            }
+            None => {}
         }
         if starting.is_done() {
             return Ok(false);
         }
-        let Starting { made, draw, round, pilots, .. } = starting;
+        let Starting { made, draw, round, pilots, sightings, time_share, pixel_weights, candidates, .. } = starting;
         let first = draw.made;
         self.batch(run, draw)?;
         made.rays += rays(&draw.batch);
@@ -262,32 +289,34 @@ impl Start {
                 // Of the last pilot, which is the largest.
                 Direct::Auto if *round + 1 == pilots.len() => {
                     let easy = Easy::chosen(self.film, self.features, self.max_edges, &pilot);
-                    starting.time_share = easy.time_share;
+                    *time_share = easy.time_share;
                     easy.path_traced
                 }
                 _ => draw.given.path_traced,
             };
-            let given = Given { path_traced, ..draw.given };
+            let sightings = draw.given.sightings.and_then(|_| self.lay_sightings(run, sightings, path_traced));
+            let given = Given { path_traced, sightings, ..draw.given };
             let left = |candidate: &Candidate| {
                 let own = candidate.key().is_some_and(|key| !path_traced.has(key));
                 if own { candidate.weight() } else { 0.0 }
             };
             let drawn = (0..).zip(&pilot).zip(waited_for(&pilot));
-            let strategies = draw
-                .strategies
-                .adapted(drawn.map(|((i, candidate), rays)| (draw.strategy(i), left(candidate), rays)), &self.even());
-            starting.pixel_weights = self.two_stage.map(|gamma| {
+            let strategies = draw.strategies.adapted(
+                drawn.map(|((i, candidate), rays)| (draw.strategy(i), left(candidate), rays)),
+                &self.even(draw.given),
+            );
+            *pixel_weights = self.two_stage.map(|gamma| {
                 let splats: Vec<_> = pilot.iter().map(|candidate| (candidate.pixel, candidate.weight())).collect();
                 PixelWeights::from_pilot(self.film, gamma, &splats)
             });
             *round += 1;
             if path_traced.is_all(self.max_edges) {
                 // Nothing is left to start chains from.
-                starting.candidates = 0;
+                *candidates = 0;
             }
             *draw = match pilots.get(*round) {
                 Some(count) => self.draw(run, strategies, given, *count, PILOT_PASSES[*round]),
-                None => self.draw(run, strategies, given, starting.candidates, CANDIDATE_PASS).in_rounds(),
+                None => self.draw(run, strategies, given, *candidates, CANDIDATE_PASS).in_rounds(),
             };
         }
         Ok(!starting.is_done())
@@ -351,7 +380,7 @@ impl Start {
             })
             .collect();
         run.set_lists(words.as_flattened());
-        let variant = variant(self.features, self.direct, self.photon_row.is_some(), self.max_edges);
+        let variant = variant(self.features, self.direct, self.maps_row.is_some(), self.max_edges);
         let uniform = PassUniform { entries, pass_index: draw.pass_index, ..self.uniform(draw.given) };
         run.submit(&[Dispatch { variant, uniform }])?;
         draw.batch = run.read(Buffer::Output, 0..size_of::<Candidate>() as u64 * u64::from(entries))?;
@@ -373,7 +402,7 @@ impl Start {
     ) -> crate::Result<()> {
         let words: Vec<[u32; 3]> = chosen.map(|([edges, light], i)| [edges, light, i]).collect();
         run.set_lists(words.as_flattened());
-        let variant = variant(self.features, self.direct, self.photon_row.is_some(), self.max_edges);
+        let variant = variant(self.features, self.direct, self.maps_row.is_some(), self.max_edges);
         let uniform =
             PassUniform { entries: words.len() as u32, pass_index: CANDIDATE_PASS, keep: 1, ..self.uniform(given) };
         run.submit(&[Dispatch { variant, uniform }])
@@ -381,7 +410,7 @@ impl Start {
 
     /// What is known before the start.
     pub(super) fn given(&self) -> Given {
-        Given { path_traced: self.direct.path_traced(), photons: None }
+        Given { path_traced: self.direct.path_traced(), ..Given::default() }
     }
 
     /// The fields that all passes of the start have alike.

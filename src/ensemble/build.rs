@@ -16,8 +16,8 @@ pub struct Build {
     pub features: Features,
     /// Who renders easy light.
     pub direct: Direct,
-    /// Whether there may be a map of photons.
-    pub photons: bool,
+    /// Whether there may be maps of where to look for light.
+    pub sought: bool,
     /// What the start has found out.
     pub given: Given,
     pub max_edges: u32,
@@ -41,7 +41,7 @@ impl Build {
             flags.extend(self.guidance.flags());
         }
         if ["independence", "weigh"].contains(&pass) {
-            flags.extend(self.photons.then_some("photons"));
+            flags.extend(self.sought.then_some("sought"));
         }
         // The other passes keep types.
         if ["independence", "bidirectional", "subpath", "crossover"].contains(&pass) {

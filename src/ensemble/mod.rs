@@ -16,6 +16,7 @@ pub mod photons;
 pub mod pool;
 mod runs;
 mod seeds;
+pub mod sightings;
 pub mod similarity;
 pub mod strategies;
 pub mod subpaths;

@@ -6,6 +6,7 @@
 use glam::Vec3;
 
 use super::bootstrap::{BATCH, Start};
+use super::sightings;
 use crate::gpu::layout::PassUniform;
 use crate::gpu::run::{Buffer, Dispatch, Run};
 use crate::gpu::shader::Variant;
@@ -28,7 +29,9 @@ const MOST_PHOTONS: usize = 15;
 const FEWEST_PHOTONS: usize = 16;
 const MOST_COMPARED: usize = 64;
 /// Rows of vec4 that the map takes at most: cells, and a list for every cube that holds enough photons.
-pub const MOST_ROWS: u64 = (CELLS / 4) as u64 + (LEVELS as u64 + 1) * ENOUGH as u64;
+pub(super) const MOST_ROWS: u64 = (CELLS / 4) as u64 + (LEVELS as u64 + 1) * ENOUGH as u64;
+/// Rows that all maps of a start take: of photons, then of sightings.
+pub const MAPS_ROWS: u64 = MOST_ROWS + sightings::ROWS;
 
 /// What a photon tells: where it arrived, and the point that it seems to come from.
 #[derive(Debug, Clone, Copy)]
@@ -146,7 +149,7 @@ pub fn variant(features: Features, max_edges: u32) -> Variant {
 impl Start {
     /// Makes the map of photons; its row, if there is one.
     pub(super) fn lay_photons(&self, run: &mut Run) -> crate::Result<Option<u32>> {
-        let Some(row) = self.photon_row else { return Ok(None) };
+        let Some(row) = self.maps_row else { return Ok(None) };
         let mut found = Vec::new();
         let mut made = 0;
         for first in (0..WALKS).step_by(BATCH as usize) {

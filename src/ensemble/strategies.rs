@@ -18,12 +18,18 @@ pub const fn walk(edges: u32) -> [u32; 2] {
     [0, edges]
 }
 
+/// The strategy that seeks a lamp through specular vertices alone, from where the map of sightings says, over as many edges as
+/// there may be.
+pub const SEEK: [u32; 2] = [0, 0];
+
 /// Step between the limits of walks.
 const WALK_STEP: u32 = 4;
 /// Edges of the shortest path that is not direct light.
 pub const INDIRECT_EDGES: u32 = 3;
 /// Share of all walks before anything is known.
 const WALK_SHARE: f64 = 0.25;
+/// Share of seeks, likewise.
+const SEEK_SHARE: f64 = 0.0625;
 
 /// P(edges k, light-side vertices s) for the walks, k in a run's range of edges and s = 0 .. k, fixed before the run.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,21 +44,28 @@ pub struct Strategies {
 
 impl Strategies {
     /// A quarter for walks, which find any length; then every length of `edges` alike, and every split of it. Under a
-    /// sky, light subpaths are not traced: s is 0 or 1.
-    pub fn uniform(edges: RangeInclusive<u32>, sky: bool) -> Self {
+    /// sky, light subpaths are not traced: s is 0 or 1. Of all, `seeks` are given their share where there are any.
+    pub fn uniform(edges: RangeInclusive<u32>, sky: bool, seeks: bool) -> Self {
         let longest = *edges.end();
         let limits: Vec<u32> = (1..longest).filter(|n| n.is_multiple_of(WALK_STEP)).chain([longest]).collect();
-        let share = WALK_SHARE / limits.len() as f64;
-        let mut entries: Vec<_> = limits.into_iter().map(|n| (walk(n), share)).collect();
+        let seek_share = if seeks { SEEK_SHARE } else { 0.0 };
+        let share = (1.0 - seek_share) * WALK_SHARE / limits.len() as f64;
+        let mut entries: Vec<_> = seeks.then_some((SEEK, seek_share)).into_iter().collect();
+        entries.extend(limits.into_iter().map(|n| (walk(n), share)));
         let lengths = f64::from(longest - edges.start() + 1);
         for k in edges {
             // A sky does not connect to the pinhole (s = k = 1): its directions would all be delta events there.
             let last = if sky { (k - 1).min(1) } else { k };
             for s in 0..=last {
-                entries.push(([k, s], (1.0 - WALK_SHARE) / (lengths * f64::from(last + 1))));
+                entries.push(([k, s], (1.0 - seek_share) * (1.0 - WALK_SHARE) / (lengths * f64::from(last + 1))));
             }
         }
         Self::from_entries(longest, entries)
+    }
+
+    /// Nothing but seeks.
+    pub fn seeks(longest: u32) -> Self {
+        Self::from_entries(longest, vec![(SEEK, 1.0)])
     }
 
     fn from_entries(longest: u32, entries: Vec<([u32; 2], f64)>) -> Self {
@@ -123,7 +136,8 @@ impl Strategies {
         self.pick((f64::from(i) + offset) / f64::from(count))
     }
 
-    /// log P as the shaders read it; what cannot be drawn is -1e30. Row 0, column k is for walks that may take k edges.
+    /// log P as the shaders read it; what cannot be drawn is -1e30. Row 0, column k is for walks that may take k edges, column 0
+    /// for seeks.
     pub fn log_table(&self) -> Vec<f32> {
         let columns = strategy_columns(self.longest);
         let mut table = vec![-1e30f32; strategy_words(self.longest)];
@@ -133,7 +147,8 @@ impl Strategies {
             let far_enough = walks.clone().filter(|([_, limit], _)| *limit as usize >= edges);
             *entry = (far_enough.map(|(_, p)| p).sum::<f64>() / total).ln().max(-1e30) as f32;
         }
-        for ([k, s], p) in self.entries.iter().filter(|([k, _], _)| *k > 0) {
+        // Of walks the limit is no index, and a limit of 0 edges free for seeks.
+        for ([k, s], p) in self.entries.iter().filter(|([k, s], _)| *k > 0 || [*k, *s] == SEEK) {
             table[*k as usize * columns + *s as usize] = (p / total).ln() as f32;
         }
         table
@@ -146,7 +161,7 @@ mod tests {
 
     #[test]
     fn systematic_drawing_follows_the_probabilities() {
-        let strategies = Strategies::uniform(1..=12, false);
+        let strategies = Strategies::uniform(1..=12, false, false);
         let list = strategies.systematic(1 << 16, 0.37);
         assert!(list.is_sorted());
         for ([k, s], p) in &strategies.entries {
@@ -158,7 +173,7 @@ mod tests {
     #[test]
     fn shorter_paths_than_asked_for_come_from_the_walk_alone() {
         for (sky, splits) in [(false, 4.0 + 5.0 + 6.0), (true, 3.0 * 2.0)] {
-            let strategies = Strategies::uniform(INDIRECT_EDGES..=5, sky);
+            let strategies = Strategies::uniform(INDIRECT_EDGES..=5, sky, false);
             assert!((strategies.cumulative.last().unwrap() - 1.0).abs() < 1e-12);
             assert_eq!(strategies.entries.len() as f64, 2.0 + splits);
             let list = strategies.systematic(4096, 0.5);
@@ -176,7 +191,7 @@ mod tests {
 
     #[test]
     fn adaptation_keeps_every_strategy_and_sums_to_one() {
-        let start = Strategies::uniform(1..=6, false);
+        let start = Strategies::uniform(1..=6, false, true);
         let pilot = start.systematic(4096, 0.5).into_iter().map(|s| (s, f64::from(u8::from(s == [3, 1])), 4.0));
         let adapted = start.adapted(pilot, &start);
         assert!((adapted.cumulative.last().unwrap() - 1.0).abs() < 1e-12);

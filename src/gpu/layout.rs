@@ -47,6 +47,8 @@ pub struct PassUniform {
     pub path_traced_high: u32,
     pub path_traced_specular: u32,
     pub photons_first: u32,
+    /// First row of the map of sightings; 0 where there is none.
+    pub sightings_first: u32,
 }
 
 /// Whether type keys of paths with up to `max_edges` edges take four words in place of two (the flag `long`).
@@ -216,6 +218,7 @@ mod tests {
             path_traced_high,
             path_traced_specular,
             photons_first,
+            sightings_first,
         );
         let (_, span) = struct_of(&module("weigh"), "StrategyUniform");
         assert_eq!(span as usize, 4 * strategy_words(12));

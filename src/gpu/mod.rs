@@ -2,7 +2,7 @@
 
 pub mod context;
 pub mod layout;
-mod lights;
+pub(crate) mod lights;
 pub mod pipelines;
 pub mod run;
 pub mod scene;

@@ -46,7 +46,7 @@ pub const PASS_FLAGS: [&str; 32] = [
     "maps",
     "two_stage",
     "path_traced",
-    "photons",
+    "sought",
     "probe",
     "probe_back",
     "probe_still",

@@ -14,7 +14,7 @@ use crate::ensemble::bootstrap::{self, BATCH, BATCH_BYTES, Bootstrap, Given, Sta
 use crate::ensemble::groups::Groups;
 use crate::ensemble::mix::Mix;
 use crate::ensemble::path_traced::Easy;
-use crate::ensemble::photons::{self, MOST_ROWS, has_photons};
+use crate::ensemble::photons::{self, MAPS_ROWS, has_photons};
 use crate::ensemble::sweep::{Build, Ensemble, list_words};
 use crate::ensemble::type_shares;
 use crate::gpu::context::Context;
@@ -90,15 +90,15 @@ impl<'a> Chains<'a> {
                 "a target error needs at least two groups, whose scatter tells the error: raise --groups or lower --size",
             ));
         }
-        // The map lies behind the chains. mlt starts as Veach's does.
+        // The start's maps lie behind the chains. mlt starts as Veach's does.
         let rows = chain_rows(settings.max_depth) as u64 * u64::from(settings.ensemble);
-        let fits = 16 * (rows + MOST_ROWS) <= context.device.limits().max_storage_buffer_binding_size;
-        let photon_row = (settings.method == Method::Emlt && has_photons(features) && fits).then_some(rows as u32);
+        let fits = 16 * (rows + MAPS_ROWS) <= context.device.limits().max_storage_buffer_binding_size;
+        let maps_row = (settings.method == Method::Emlt && has_photons(features) && fits).then_some(rows as u32);
         let build = Build {
             features,
             direct: settings.direct,
-            photons: photon_row.is_some(),
-            given: Given { path_traced: settings.direct.path_traced(), photons: None },
+            sought: maps_row.is_some(),
+            given: Given { path_traced: settings.direct.path_traced(), ..Given::default() },
             max_edges: settings.max_depth,
             maps: settings.maps,
             two_stage: settings.two_stage.is_some(),
@@ -107,7 +107,7 @@ impl<'a> Chains<'a> {
             groups,
         };
         let sizes = Sizes {
-            chains: 16 * (rows + if photon_row.is_some() { MOST_ROWS } else { 0 }),
+            chains: 16 * (rows + if maps_row.is_some() { MAPS_ROWS } else { 0 }),
             lists: 4 * list_words(settings.ensemble, BATCH),
             output: film_bytes(settings, groups.count(), if counted { kernels } else { 0 }).max(BATCH_BYTES),
             counters: counter_bytes(kernels),
@@ -115,7 +115,7 @@ impl<'a> Chains<'a> {
         let start = Start {
             features,
             direct: settings.direct,
-            photon_row,
+            maps_row,
             max_edges: settings.max_depth,
             two_stage: settings.two_stage,
             candidates: settings.candidates,
@@ -169,12 +169,12 @@ impl<'a> Chains<'a> {
 
     /// Has pipelines built: those of the kernels on a thread of their own.
     fn prepare(&mut self) -> crate::Result<Phase> {
-        let Start { features, direct, photon_row, max_edges, .. } = self.start;
+        let Start { features, direct, maps_row, max_edges, .. } = self.start;
         let kernels = self.run.missing(&self.build.variants(&self.mix));
         let builder = self.run.builder();
         self.kernels = Some(std::thread::spawn(move || builder.build_all(&kernels)));
-        let mut first = vec![bootstrap::variant(features, direct, photon_row.is_some(), max_edges)];
-        first.extend(photon_row.map(|_| photons::variant(features, max_edges)));
+        let mut first = vec![bootstrap::variant(features, direct, maps_row.is_some(), max_edges)];
+        first.extend(maps_row.map(|_| photons::variant(features, max_edges)));
         let first = self.run.missing(&first);
         let built = self.run.builder().build_all(&first)?;
         Ok(Phase::Preparing(self.run.adopt(built)))

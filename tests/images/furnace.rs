@@ -89,7 +89,7 @@ fn furnace_by_path_length() {
     let start = Start {
         features,
         direct: Direct::Mcmc,
-        photon_row: None,
+        maps_row: None,
         max_edges: LONGEST,
         two_stage: None,
         candidates: CANDIDATES,
@@ -98,7 +98,7 @@ fn furnace_by_path_length() {
         stride: paths,
         film: FILM,
     };
-    let strategies = Strategies::uniform(1..=LONGEST, false);
+    let strategies = Strategies::uniform(1..=LONGEST, false, false);
     let (candidates, list) =
         start.candidates(&mut run, &strategies, Given::default(), CANDIDATES, CANDIDATE_PASS).unwrap();
     let mut worst = f64::INFINITY;

@@ -50,7 +50,7 @@ fn render(context: &Context, groups: Groups, changed: bool) -> Left {
     let start = Start {
         features,
         direct: Direct::Mcmc,
-        photon_row: None,
+        maps_row: None,
         max_edges: MAX_EDGES,
         two_stage: None,
         candidates: 1 << 15,
@@ -68,7 +68,7 @@ fn render(context: &Context, groups: Groups, changed: bool) -> Left {
     let build = Build {
         features,
         direct: Direct::Mcmc,
-        photons: false,
+        sought: false,
         given: Given::default(),
         max_edges: MAX_EDGES,
         maps: false,

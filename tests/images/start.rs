@@ -1,4 +1,4 @@
-//! What a start may change without the light: a map of photons, and a share left to the path tracer.
+//! What a start may change without the light: maps of photons and of sightings, and a share left to the path tracer.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -7,7 +7,7 @@ use std::path::Path;
 use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, CANDIDATE_PASS, CANDIDATES, Candidate, Given, Mean, Start};
 use emlt::ensemble::groups::Groups;
 use emlt::ensemble::path_traced::Direct;
-use emlt::ensemble::photons::MOST_ROWS;
+use emlt::ensemble::photons::MAPS_ROWS;
 use emlt::ensemble::pool::TypeKey;
 use emlt::ensemble::sweep::list_words;
 use emlt::gpu::context::Context;
@@ -34,12 +34,12 @@ struct Begun {
 }
 
 /// All that a start does before its candidates, and as many candidates as count, by the strategies that its pilots chose.
-fn begin(context: &Context, scene: &Scene, photons: bool, direct: Direct, seed: u32) -> Begun {
+fn begin(context: &Context, scene: &Scene, maps: bool, direct: Direct, seed: u32) -> Begun {
     let camera = scene.camera(None).unwrap();
     let data = SceneData::with_threshold(scene, camera, FILM[0], FILM[1], 0.0).unwrap();
     let rows = chain_rows(MAX_EDGES) as u64 * u64::from(PATHS);
     let sizes = Sizes {
-        chains: 16 * (rows + if photons { MOST_ROWS } else { 0 }),
+        chains: 16 * (rows + if maps { MAPS_ROWS } else { 0 }),
         lists: 4 * list_words(PATHS, BATCH),
         output: BATCH_BYTES,
         counters: 256,
@@ -48,7 +48,7 @@ fn begin(context: &Context, scene: &Scene, photons: bool, direct: Direct, seed: 
     let start = Start {
         features: Features::with_threshold(scene, 0.0).seen_by(scene, camera),
         direct,
-        photon_row: photons.then_some(rows as u32),
+        maps_row: maps.then_some(rows as u32),
         max_edges: MAX_EDGES,
         two_stage: None,
         candidates: 1 << 16,
@@ -109,28 +109,38 @@ fn compare(name: &str, one: &[Candidate], other: &[Candidate], only: impl Fn(Typ
 
 const POOL: &str = "tests/scenes/pool_wide_lamp.glb";
 const RING: &str = "scenes/ring.glb";
+const PHOTONS: &str = "photons.wesl";
+const SIGHTINGS: &str = "sightings.wesl";
 /// Lamps that are large enough, and seen by mirrors, to be hit without a map as well.
 const MIRRORS: &str = "scenes/mirrors.glb";
 
-/// Light by mirrors is as much with a map of photons as without, type by type.
+/// Whether lamps are seen through specular vertices alone: what the map of sightings is for.
+fn is_sighting(key: TypeKey) -> bool {
+    key.edges() > 1 && (1..key.edges()).all(|i| key.tag_bits(i) != 0)
+}
+
+/// Light by mirrors is as much with maps of photons and of sightings as without, type by type.
 #[test]
-fn a_map_of_photons_leaves_the_light_alone() {
+fn maps_leave_the_light_alone() {
     let context = Context::open(None).unwrap_or_else(|e| panic!("{e}"));
     let scene = scene(MIRRORS);
     let seeds = [(true, 1), (false, 2)];
-    let [with, without] = seeds.map(|(photons, seed)| begin(&context, &scene, photons, Direct::Mcmc, seed));
-    assert!(with.given.photons.is_some() && without.given.photons.is_none());
+    let [with, without] = seeds.map(|(maps, seed)| begin(&context, &scene, maps, Direct::Mcmc, seed));
+    assert!(with.given.photons.is_some() && with.given.sightings.is_some());
+    assert!(without.given.photons.is_none() && without.given.sightings.is_none());
+    let sightings = by_type(&with.candidates).into_keys().flatten().filter(|key| is_sighting(*key)).count();
+    assert!(sightings > 1, "{sightings} types of sightings");
     let (p, _) = compare(MIRRORS, &with.candidates, &without.candidates, |_| true);
     assert!(p > LEVEL, "p {p}");
 }
 
-/// Shaders with one line of the map's module changed.
-fn changed_sources(name: &str, from: &str, to: &str) -> Sources {
+/// Shaders with one line of a map's module changed.
+fn changed_sources(name: &str, module: &str, from: &str, to: &str) -> Sources {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = fs::remove_dir_all(&folder);
     copy(&root.join("shaders"), &folder);
-    let module = folder.join("transport/photons.wesl");
+    let module = folder.join("transport").join(module);
     let text = fs::read_to_string(&module).unwrap();
     assert_eq!(text.matches(from).count(), 1, "{from}");
     fs::write(&module, text.replace(from, to)).unwrap();
@@ -150,18 +160,20 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// What the comparison is for: a density that takes the map's law for another, or leaves its share out, fails it.
+/// What the comparison is for: a density that takes a map's law for another, or leaves its share out, fails it.
 #[test]
-fn twins_of_the_map_of_photons_are_caught() {
+fn twins_of_the_maps_are_caught() {
     let context = Context::open(None).unwrap_or_else(|e| panic!("{e}"));
     let scene = scene(MIRRORS);
     let without = begin(&context, &scene, false, Direct::Mcmc, 1);
     let twins = [
-        ("narrow", "sum += s * (2.0 + s) / (x * x);", "sum += 0.8 * s * (2.0 + s) / (x * x);"),
-        ("share", "return (1.0 - PHOTON_SHARE) * plain", "return plain"),
+        ("narrow", PHOTONS, "sum += s * (2.0 + s) / (x * x);", "sum += 0.8 * s * (2.0 + s) / (x * x);"),
+        ("share", PHOTONS, "return (1.0 - PHOTON_SHARE) * plain", "return plain"),
+        ("even", SIGHTINGS, "return log(bitcast<f32>(chains[run.sightings_first + cell_of(pixel)].w));", "return 0.0;"),
+        ("alias", SIGHTINGS, "select(row.z, row.y, u.y < bitcast<f32>(row.x))", "row.y"),
     ];
-    for (name, from, to) in twins {
-        context.set_sources(changed_sources(&format!("photons_{name}"), from, to)).unwrap();
+    for (name, module, from, to) in twins {
+        context.set_sources(changed_sources(&format!("maps_{name}"), module, from, to)).unwrap();
         let twin = begin(&context, &scene, true, Direct::Mcmc, 2);
         let (p, _) = compare(name, &twin.candidates, &without.candidates, |_| true);
         assert!(p < LEVEL, "{name} passes: p {p}");

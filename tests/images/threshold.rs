@@ -78,7 +78,7 @@ fn b_does_not_depend_on_the_threshold() {
             let start = Start {
                 features,
                 direct: Direct::Mcmc,
-                photon_row: None,
+                maps_row: None,
                 max_edges: longest,
                 seed,
                 groups: Groups::new(paths, 1),
@@ -87,7 +87,7 @@ fn b_does_not_depend_on_the_threshold() {
                 two_stage: None,
                 candidates: CANDIDATES,
             };
-            let strategies = Strategies::uniform(1..=longest, false);
+            let strategies = Strategies::uniform(1..=longest, false, false);
             let (candidates, _) =
                 start.candidates(&mut run, &strategies, Given::default(), COUNT, CANDIDATE_PASS).unwrap();
             let mut b = Mean::default();

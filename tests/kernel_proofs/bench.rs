@@ -351,7 +351,7 @@ fn start(features: Features, seed: u32) -> Start {
     Start {
         features,
         direct: Direct::Mcmc,
-        photon_row: None,
+        maps_row: None,
         max_edges: MAX_EDGES,
         two_stage: None,
         candidates: CANDIDATES,

@@ -7,7 +7,7 @@ use emlt::ensemble::groups::{Groups, MOST_GROUPS};
 use emlt::ensemble::guidance::Guidance;
 use emlt::ensemble::mix::{HALF_SWEEP, Mix};
 use emlt::ensemble::path_traced::Direct;
-use emlt::ensemble::photons::{MOST_ROWS, has_photons};
+use emlt::ensemble::photons::{MAPS_ROWS, has_photons};
 use emlt::ensemble::sweep::{Build, Ensemble, list_words};
 use emlt::gpu::context::Context;
 use emlt::gpu::layout::{COUNTER_WORDS, chain_rows};
@@ -43,14 +43,14 @@ struct Mixed {
     kernels: Vec<(&'static Kernel, f64)>,
     /// Exponent of a two-stage target.
     two_stage: Option<f64>,
-    /// Whether the start, and so the independence kernel, has a map of photons where the scene has any.
-    photons: bool,
+    /// Whether the start, and so the independence kernel, has maps where the scene has anything for them.
+    sought: bool,
 }
 
 impl Mixed {
     fn of(method: Method) -> Self {
-        let photons = method == Method::Emlt;
-        Self { name: method.name(), kernels: default_mix(method), two_stage: default_two_stage(method), photons }
+        let sought = method == Method::Emlt;
+        Self { name: method.name(), kernels: default_mix(method), two_stage: default_two_stage(method), sought }
     }
 }
 
@@ -62,9 +62,9 @@ fn move_chains(context: &Context, scene: &Scene, mixed: &Mixed, chains: usize) -
     let mix = Mix::new(&mixed.kernels, features);
     let groups = Groups::new(PATHS, MOST_GROUPS);
     let rows = chain_rows(MAX_EDGES) as u64 * u64::from(PATHS);
-    let photons = mixed.photons && has_photons(features);
+    let sought = mixed.sought && has_photons(features);
     let sizes = Sizes {
-        chains: 16 * (rows + if photons { MOST_ROWS } else { 0 }),
+        chains: 16 * (rows + if sought { MAPS_ROWS } else { 0 }),
         lists: 4 * list_words(PATHS, BATCH),
         output: BATCH_BYTES.max(u64::from(16 * FILM[0] * FILM[1] * groups.count())),
         counters: (4 * COUNTER_WORDS * (mix.kernels().len() + 1)) as u64,
@@ -75,7 +75,7 @@ fn move_chains(context: &Context, scene: &Scene, mixed: &Mixed, chains: usize) -
         let start = Start {
             features,
             direct: Direct::Mcmc,
-            photon_row: photons.then_some(rows as u32),
+            maps_row: sought.then_some(rows as u32),
             max_edges: MAX_EDGES,
             two_stage: mixed.two_stage,
             candidates: 1 << 15,
@@ -87,7 +87,8 @@ fn move_chains(context: &Context, scene: &Scene, mixed: &Mixed, chains: usize) -
         let mut starting = start.begin(&run);
         while start.step(&mut run, &mut starting).unwrap() {}
         let given = starting.given();
-        assert_eq!(given.photons.is_some(), photons, "a map of photons");
+        assert_eq!(given.photons.is_some(), sought, "a map of photons");
+        assert_eq!(given.sightings.is_some(), sought, "a map of sightings");
         let bootstrap = start.finish(&mut run, starting).unwrap().unwrap();
         let start = Start { seed: seed + 1_000_000, ..start };
         let (candidates, by) =
@@ -112,7 +113,7 @@ fn move_chains(context: &Context, scene: &Scene, mixed: &Mixed, chains: usize) -
         let build = Build {
             features,
             direct: Direct::Mcmc,
-            photons,
+            sought,
             given,
             max_edges: MAX_EDGES,
             maps: false,
@@ -183,9 +184,9 @@ fn the_mix_of_emlt_leaves_the_target_alone() {
     check_default(&context(), &scene_of(SCENE), Method::Emlt, 1_000_000);
 }
 
-/// With a map of photons, which the independence kernel proposes by and paths are weighed by.
+/// With maps of photons and of sightings, which the independence kernel proposes by and paths are weighed by.
 #[test]
-fn the_mix_of_emlt_with_photons_leaves_the_target_alone() {
+fn the_mix_of_emlt_with_maps_leaves_the_target_alone() {
     let scene = scene_of(SPECULAR_SCENE);
     assert!(has_photons(Features::of(&scene)));
     check_default(&context(), &scene, Method::Emlt, 300_000);

@@ -32,7 +32,7 @@ impl<'a> Bench<'a> {
         let start = Start {
             features: Features::of(scene),
             direct: Direct::Mcmc,
-            photon_row: None,
+            maps_row: None,
             max_edges,
             two_stage: None,
             candidates: 1 << 16,

@@ -33,7 +33,7 @@ fn the_longest_paths_neither_overflow_nor_underflow() {
         scene.materials[0].base_color = albedo;
         scene.materials[0].emission = brightness * EMISSION;
         let mut bench = Bench::new(&context, &scene, [16, 12], LONGEST, 64);
-        bench.bootstrap.strategies = Strategies::uniform(1..=LONGEST, false);
+        bench.bootstrap.strategies = Strategies::uniform(1..=LONGEST, false, false);
         let (candidates, strategies) = bench.candidates(COUNT);
         let (mut least, mut widest) = (1.0f64, 0.0f64);
         for edges in 1..=LONGEST {
