@@ -9,7 +9,7 @@ use super::options::LensOptions;
 use crate::Result;
 use crate::gpu::shader::{Variant, compose};
 use crate::kernels::{self, Kernel};
-use crate::methods::{Method, Settings, default_mix};
+use crate::methods::{Method, Settings, default_direct, default_mix};
 use crate::scene::light::{Light, LightKind};
 use crate::scene::{Features, Scene, environment, import::import};
 
@@ -79,16 +79,25 @@ fn summary(scene: &Scene) -> String {
     row("lights", lights(scene));
     let (centre, radius) = scene.bounding_sphere();
     row("bounds", format!("centre {:.4} {:.4} {:.4}, radius {radius:.4}", centre.x, centre.y, centre.z));
-    // As the default camera sees it.
-    let features =
-        scene.cameras.first().map_or(Features::of(scene), |camera| Features::of(scene).seen_by(scene, camera));
-    let names: Vec<&str> = features.flags().iter().filter(|(_, on)| *on).map(|(name, _)| *name).collect();
+    let methods = [Method::Mlt, Method::Emlt].map(|method| (method, features_by(scene, method)));
+    // Those of all kernels that can be asked for.
+    let features = methods[0].1;
+    let flags = features.flags().into_iter().zip(methods[1].1.flags());
+    let names: Vec<String> = flags
+        .filter_map(|((name, in_mlt), (_, in_emlt))| match (in_mlt, in_emlt) {
+            (true, true) => Some(name.into()),
+            (true, false) => Some(format!("{name} (in mlt)")),
+            (false, true) => Some(format!("{name} (in emlt)")),
+            (false, false) => None,
+        })
+        .collect();
     row("features", if names.is_empty() { "diffuse only".into() } else { names.join(", ") });
     for kernel in kernels::ALL {
-        let runs = [Method::Mlt, Method::Emlt]
+        let runs = methods
             .into_iter()
-            .filter(|m| default_mix(*m).iter().any(|(k, weight)| k.name == kernel.name && *weight > 0.0))
-            .map(Method::name);
+            .filter(|(_, features)| (kernel.useless)(*features).is_none())
+            .filter(|(m, _)| default_mix(*m).iter().any(|(k, weight)| k.name == kernel.name && *weight > 0.0))
+            .map(|(method, _)| method.name());
         let runs: Vec<&str> = runs.collect();
         let state = match (kernel.useless)(features) {
             Some(why) => format!("not used: {why}"),
@@ -102,6 +111,13 @@ fn summary(scene: &Scene) -> String {
         row("kernel", format!("{}, {state} ({}{size})", kernel.name, kernel.about));
     }
     text
+}
+
+/// What shaders of a method have to know of the scene by default, as its default camera sees it.
+fn features_by(scene: &Scene, method: Method) -> Features {
+    let settings = Settings { method, direct: default_direct(method, false), ..Settings::default() };
+    let features = Features::with_threshold(scene, settings.specular_threshold());
+    scene.cameras.first().map_or(features, |camera| features.seen_by(scene, camera))
 }
 
 /// The names after their number.

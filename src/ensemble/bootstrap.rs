@@ -1,5 +1,7 @@
 //! The start: b and the seeds, from bidirectional candidates (METHOD.md 1.2, 1.3).
 
+mod draw;
+
 use std::mem;
 
 use rayon::prelude::*;
@@ -18,6 +20,7 @@ use crate::gpu::run::{Buffer, Dispatch, Run};
 use crate::gpu::shader::Variant;
 use crate::reference::rng;
 use crate::scene::Features;
+use draw::{Draw, Made};
 
 /// Candidates from which b and the seeds come, unless told otherwise.
 pub const CANDIDATES: u32 = 1 << 20;
@@ -96,63 +99,6 @@ impl Given {
     pub fn set(self, uniform: PassUniform) -> PassUniform {
         let [photons_first, sightings_first] = [self.photons, self.sightings].map(|row| row.unwrap_or(0));
         PassUniform { photons_first, sightings_first, ..self.path_traced.set(uniform) }
-    }
-}
-
-/// Candidates on their way, a batch at a time.
-struct Draw {
-    strategies: Strategies,
-    given: Given,
-    pass_index: u32,
-    /// Of the systematic draw of strategies.
-    offset: f64,
-    count: u32,
-    /// After so many all strategies have had their share, and it begins anew.
-    round: u32,
-    made: u32,
-    batch: Vec<Candidate>,
-}
-
-impl Draw {
-    /// The same in rounds that are alike; a few candidates fewer where they cannot share them evenly.
-    fn in_rounds(mut self) -> Self {
-        self.round = self.count / (self.count / ROUND).max(1);
-        self.count -= self.count % self.round.max(1);
-        self
-    }
-
-    fn is_done(&self) -> bool {
-        self.made == self.count
-    }
-
-    /// The strategy of candidate `i`.
-    fn strategy(&self, i: u32) -> [u32; 2] {
-        self.strategies.systematic_at(i % self.round.max(1), self.round, self.offset)
-    }
-}
-
-/// What has been made: of a pilot everything, of those that count only what carries light.
-#[derive(Default)]
-struct Made {
-    pilot: Vec<Candidate>,
-    lit: Vec<Lit>,
-    b: Mean,
-    rays: u64,
-    non_finite: usize,
-}
-
-impl Made {
-    fn count(&mut self, first: u32, batch: &[Candidate]) {
-        let lit = |(i, candidate): (usize, &Candidate)| {
-            let Candidate { log_weight, pixel, key, .. } = *candidate;
-            (candidate.weight() > 0.0).then_some(Lit { index: first + i as u32, log_weight, pixel, key })
-        };
-        let begin = self.lit.len();
-        self.lit.par_extend(batch.par_iter().enumerate().filter_map(lit));
-        self.lit[begin..].iter().for_each(|lit| self.b.add(weight(lit.log_weight.into())));
-        // The others add nothing but their number.
-        self.b.count += (batch.len() - (self.lit.len() - begin)) as f64;
-        self.non_finite += batch.iter().filter(|c| !f64::from(c.log_weight).exp().is_finite()).count();
     }
 }
 
@@ -274,52 +220,58 @@ impl Start {
         if starting.is_done() {
             return Ok(false);
         }
-        let Starting { made, draw, round, pilots, sightings, time_share, pixel_weights, candidates, .. } = starting;
+        let Starting { made, draw, round, pilots, .. } = starting;
         let first = draw.made;
         self.batch(run, draw)?;
         made.rays += rays(&draw.batch);
         if *round == pilots.len() {
             made.count(first, &draw.batch);
-            return Ok(!starting.is_done());
-        }
-        made.pilot.extend_from_slice(&draw.batch);
-        if draw.is_done() {
-            let pilot = mem::take(&mut made.pilot);
-            let path_traced = match self.direct {
-                // Of the last pilot, which is the largest.
-                Direct::Auto if *round + 1 == pilots.len() => {
-                    let easy = Easy::chosen(self.film, self.features, self.max_edges, &pilot);
-                    *time_share = easy.time_share;
-                    easy.path_traced
-                }
-                _ => draw.given.path_traced,
-            };
-            let sightings = draw.given.sightings.and_then(|_| self.lay_sightings(run, sightings, path_traced));
-            let given = Given { path_traced, sightings, ..draw.given };
-            let left = |candidate: &Candidate| {
-                let own = candidate.key().is_some_and(|key| !path_traced.has(key));
-                if own { candidate.weight() } else { 0.0 }
-            };
-            let drawn = (0..).zip(&pilot).zip(waited_for(&pilot));
-            let strategies = draw.strategies.adapted(
-                drawn.map(|((i, candidate), rays)| (draw.strategy(i), left(candidate), rays)),
-                &self.even(draw.given),
-            );
-            *pixel_weights = self.two_stage.map(|gamma| {
-                let splats: Vec<_> = pilot.iter().map(|candidate| (candidate.pixel, candidate.weight())).collect();
-                PixelWeights::from_pilot(self.film, gamma, &splats)
-            });
-            *round += 1;
-            if path_traced.is_all(self.max_edges) {
-                // Nothing is left to start chains from.
-                *candidates = 0;
+        } else {
+            made.pilot.extend_from_slice(&draw.batch);
+            if draw.is_done() {
+                self.end_pilot(run, starting);
             }
-            *draw = match pilots.get(*round) {
-                Some(count) => self.draw(run, strategies, given, *count, PILOT_PASSES[*round]),
-                None => self.draw(run, strategies, given, *candidates, CANDIDATE_PASS).in_rounds(),
-            };
         }
         Ok(!starting.is_done())
+    }
+
+    /// Learns from a pilot, and begins what comes after it.
+    fn end_pilot(&self, run: &Run, starting: &mut Starting) {
+        let Starting { draw, round, pilots, .. } = starting;
+        let pilot = mem::take(&mut starting.made.pilot);
+        let path_traced = match self.direct {
+            // Of the last pilot, which is the largest.
+            Direct::Auto if *round + 1 == pilots.len() => {
+                let easy = Easy::chosen(self.film, self.features, self.max_edges, &pilot);
+                starting.time_share = easy.time_share;
+                easy.path_traced
+            }
+            _ => draw.given.path_traced,
+        };
+        let even = self.even(draw.given);
+        // Nothing is sought that is path traced.
+        let sightings = self.lay_sightings(run, &starting.sightings, path_traced);
+        let given = Given { path_traced, sightings, ..draw.given };
+        let left = |candidate: &Candidate| {
+            let own = candidate.key().is_some_and(|key| !path_traced.has(key));
+            if own { candidate.weight() } else { 0.0 }
+        };
+        let drawn = (0..).zip(&pilot).zip(waited_for(&pilot));
+        let drawn = drawn.map(|((i, candidate), rays)| (draw.strategy(i), left(candidate), rays));
+        let strategies = draw.strategies.adapted(drawn, &even);
+        starting.pixel_weights = self.two_stage.map(|gamma| {
+            let splats: Vec<_> = pilot.iter().map(|candidate| (candidate.pixel, candidate.weight())).collect();
+            PixelWeights::from_pilot(self.film, gamma, &splats)
+        });
+        *round += 1;
+        if path_traced.is_all(self.max_edges) {
+            // Nothing is left to start chains from.
+            starting.candidates = 0;
+        }
+        *draw = match pilots.get(*round) {
+            Some(count) => self.draw(run, strategies, given, *count, PILOT_PASSES[*round]),
+            None => self.draw(run, strategies, given, starting.candidates, CANDIDATE_PASS).in_rounds(),
+        };
     }
 
     /// Chooses the seeds among the candidates, once all are made, and fills the chains.

@@ -32,6 +32,17 @@ fn info_describes_the_scene() {
     }
 }
 
+/// Lobes that mlt treats as specular are none in emlt, which shares the light with the path tracer.
+#[test]
+fn info_tells_what_each_method_needs() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/rough_glass.glb");
+    let output = Place::new().run(&["info", scene]);
+    let said = String::from_utf8_lossy(&output.stdout);
+    for words in ["narrow (in mlt)", "caustic, by default in mlt (", "guided-lens, by default in emlt ("] {
+        assert!(said.contains(words), "{words:?} is not in:\n{said}");
+    }
+}
+
 #[test]
 fn devices_are_listed() {
     let output = Place::new().run(&["devices"]);

@@ -6,6 +6,8 @@
 
 mod acceptance;
 mod calibration;
+#[path = "../common/changed_sources.rs"]
+mod changed_sources;
 mod comparison;
 mod coverage;
 mod crossover;

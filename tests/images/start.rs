@@ -1,8 +1,6 @@
 //! What a start may change without the light: maps of photons and of sightings, and a share left to the path tracer.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::Path;
 
 use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, CANDIDATE_PASS, CANDIDATES, Candidate, Given, Mean, Start};
 use emlt::ensemble::groups::Groups;
@@ -14,10 +12,10 @@ use emlt::gpu::context::Context;
 use emlt::gpu::layout::chain_rows;
 use emlt::gpu::run::{Run, Sizes};
 use emlt::gpu::scene::SceneData;
-use emlt::gpu::shader::Sources;
 use emlt::report::student::two_sided;
 use emlt::scene::{Features, Scene};
 
+use super::changed_sources::changed_sources;
 use super::renders::scene;
 
 const FILM: [u32; 2] = [64, 48];
@@ -109,8 +107,8 @@ fn compare(name: &str, one: &[Candidate], other: &[Candidate], only: impl Fn(Typ
 
 const POOL: &str = "tests/scenes/pool_wide_lamp.glb";
 const RING: &str = "scenes/ring.glb";
-const PHOTONS: &str = "photons.wesl";
-const SIGHTINGS: &str = "sightings.wesl";
+const PHOTONS: &str = "transport/photons.wesl";
+const SIGHTINGS: &str = "transport/sightings.wesl";
 /// Lamps that are large enough, and seen by mirrors, to be hit without a map as well.
 const MIRRORS: &str = "scenes/mirrors.glb";
 
@@ -132,32 +130,6 @@ fn maps_leave_the_light_alone() {
     assert!(sightings > 1, "{sightings} types of sightings");
     let (p, _) = compare(MIRRORS, &with.candidates, &without.candidates, |_| true);
     assert!(p > LEVEL, "p {p}");
-}
-
-/// Shaders with one line of a map's module changed.
-fn changed_sources(name: &str, module: &str, from: &str, to: &str) -> Sources {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&folder);
-    copy(&root.join("shaders"), &folder);
-    let module = folder.join("transport").join(module);
-    let text = fs::read_to_string(&module).unwrap();
-    assert_eq!(text.matches(from).count(), 1, "{from}");
-    fs::write(&module, text.replace(from, to)).unwrap();
-    Sources::read(&folder).unwrap()
-}
-
-fn copy(from: &Path, to: &Path) {
-    fs::create_dir_all(to).unwrap();
-    for entry in fs::read_dir(from).unwrap() {
-        let entry = entry.unwrap();
-        let target = to.join(entry.file_name());
-        if entry.path().is_dir() {
-            copy(&entry.path(), &target);
-        } else {
-            fs::copy(entry.path(), target).unwrap();
-        }
-    }
 }
 
 /// What the comparison is for: a density that takes a map's law for another, or leaves its share out, fails it.

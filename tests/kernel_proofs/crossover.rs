@@ -66,11 +66,14 @@ fn with_cut(pair: Pair, cut: Cut, keys: [TypeKey; 2]) -> Pair {
     Pair { log_cut, ..pair }
 }
 
+/// Passes at most in which paths are exchanged: where hardly any two have parts to exchange, so many have to do.
+const MOST_PASSES: u32 = 256;
+
 /// Share of the exchanges, made wherever they are possible, whose log ratios there and back do not cancel to 1e-3, and
 /// how many there were. What is exchanged twice has to be as it was, bit for bit.
 fn asymmetric_share(bench: &mut Bench, cut: Cut, wanted: usize) -> (f64, usize) {
     let (mut bad, mut all) = (0usize, 0usize);
-    for pass in 1.. {
+    for pass in 1..=MOST_PASSES {
         let before = (pass == 1).then(|| all_rows(bench));
         // Partners differ from pass to pass.
         let list = pair_list(bench, HALF, pass, 7919 * pass);
@@ -142,21 +145,25 @@ pub fn check_all(bench: &mut Bench, name: &str, exchanges: usize, rounds: u32) {
 fn check_ratios(bench: &mut Bench, scene: &str, exchanges: usize) {
     let (share, n) = asymmetric_share(bench, Cut::Correct, exchanges);
     println!("{scene}, crossover: {share:.2e} of {n} exchanges asymmetric");
-    assert!(share < 1e-3, "{share}");
+    assert!(n >= 1000 && share < 1e-3, "{share} of {n}");
 }
 
 /// METHOD.md 4.1 A2: after crossovers, what is cached of every path of both halves agrees with the master f.
 #[track_caller]
 fn check_factors(bench: &mut Bench, scene: &str) {
     let types = bench.keys(0, 2 * HALF);
-    for pass in 1..5 {
+    let mut moved = 0;
+    for pass in 1..=MOST_PASSES {
         let list = pair_list(bench, HALF, pass, 7919 * pass);
         cross(bench, &list.pairs, &[], pass);
+        moved = types.iter().zip(bench.keys(0, 2 * HALF)).filter(|(before, after)| *before != after).count();
+        if pass >= 4 && moved > 1000 {
+            break;
+        }
     }
     let word = |rows: Vec<[u32; 4]>| -> Vec<f32> { rows.iter().map(|row| f32::from_bits(row[2])).collect() };
     let made = word(bench.rows(ROW_KEY, 0, 2 * HALF));
     let light = word(bench.rows(ROW_PIXEL, 0, 2 * HALF));
-    let moved = types.iter().zip(bench.keys(0, 2 * HALF)).filter(|(before, after)| *before != after).count();
     let entries: Vec<u32> = (0..2 * HALF).flat_map(|path| [path, 0]).collect();
     bench.run.set_lists(&entries);
     let all = PassUniform { seed: SEED, stride: COLUMNS, entries: 2 * HALF, ..Default::default() };

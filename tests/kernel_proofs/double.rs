@@ -10,10 +10,14 @@ use naga::{Block, Expression, Function, Handle, Module, Statement, TypeInner, Un
 use crate::arithmetic::{B, C, F, I, P, S, Scalar, U, V, Value, binary, cast, literal_of, math};
 use crate::memory::{Pointee, Pointer, compose, float_kind, follow, load_words, put, word, zero};
 
+/// Of one call at a time; kept for later calls as deep, since to clear what is known would take longer than most calls.
+#[derive(Default)]
 struct Frame {
     arguments: Vec<Value>,
     locals: Vec<Value>,
-    known: Vec<Option<Value>>,
+    /// Values of expressions, with the number of the call in which they were known.
+    known: Vec<(u64, Value)>,
+    call: u64,
 }
 
 enum Flow {
@@ -30,6 +34,10 @@ pub struct Double {
     words: Arc<Vec<Option<Vec<u32>>>>,
     private: Vec<Value>,
     frames: Vec<Frame>,
+    /// Frames in use.
+    depth: usize,
+    /// Calls there have been.
+    calls: u64,
     /// Last store to `records`.
     pub record: [f64; 4],
     /// What each call of `evaluate` in this invocation has returned: log I, log density, log C of either side.
@@ -44,13 +52,17 @@ impl Double {
             Some(bound(binding.group, binding.binding))
         });
         let words = Arc::new(words.collect());
-        Self { module: Arc::new(module), words, private: vec![], frames: vec![], record: [0.0; 4], evaluations: vec![] }
+        Self::over(Arc::new(module), words)
+    }
+
+    fn over(module: Arc<Module>, words: Arc<Vec<Option<Vec<u32>>>>) -> Self {
+        let (private, frames, evaluations) = (vec![], vec![], vec![]);
+        Self { module, words, private, frames, depth: 0, calls: 0, record: [0.0; 4], evaluations }
     }
 
     /// Another one over the same words, for another thread.
     pub fn another(&self) -> Self {
-        let (module, words) = (self.module.clone(), self.words.clone());
-        Self { module, words, private: vec![], frames: vec![], record: [0.0; 4], evaluations: vec![] }
+        Self::over(self.module.clone(), self.words.clone())
     }
 
     /// Runs the invocation of entry `entry` out of `entries`.
@@ -74,8 +86,17 @@ impl Double {
     }
 
     fn call(&mut self, module: &Module, function: &Function, arguments: Vec<Value>) -> Option<Value> {
-        let frame = Frame { arguments, locals: vec![], known: vec![None; function.expressions.len()] };
-        self.frames.push(frame);
+        if self.depth == self.frames.len() {
+            self.frames.push(Frame::default());
+        }
+        self.calls += 1;
+        let frame = &mut self.frames[self.depth];
+        frame.call = self.calls;
+        frame.arguments = arguments;
+        if frame.known.len() < function.expressions.len() {
+            frame.known.resize(function.expressions.len(), (0, S(U(0))));
+        }
+        self.depth += 1;
         let locals: Vec<Value> = function
             .local_variables
             .iter()
@@ -84,9 +105,9 @@ impl Double {
                 None => zero(module, local.ty),
             })
             .collect();
-        self.frames.last_mut().unwrap().locals = locals;
+        self.frame().locals = locals;
         let flow = self.block(module, function, &function.body);
-        self.frames.pop();
+        self.depth -= 1;
         if let Flow::Return(value) = flow { value } else { None }
     }
 
@@ -156,15 +177,22 @@ impl Double {
         Flow::On
     }
 
+    /// That of the function that runs.
+    fn frame(&mut self) -> &mut Frame {
+        &mut self.frames[self.depth - 1]
+    }
+
     fn set(&mut self, handle: Handle<Expression>, value: Value) {
-        self.frames.last_mut().unwrap().known[handle.index()] = Some(value);
+        let frame = self.frame();
+        frame.known[handle.index()] = (frame.call, value);
     }
 
     /// What is known already, or needs no statement to be.
     fn value(&mut self, module: &Module, function: &Function, handle: Handle<Expression>) -> Value {
-        match &self.frames.last().unwrap().known[handle.index()] {
-            Some(value) => value.clone(),
-            None => self.compute(module, function, handle),
+        let frame = self.frame();
+        match &frame.known[handle.index()] {
+            (call, value) if *call == frame.call => value.clone(),
+            _ => self.compute(module, function, handle),
         }
     }
 
@@ -209,7 +237,7 @@ impl Double {
                     pattern[..*size as usize].iter().map(|c| vector.scalars()[*c as usize]).collect();
                 Value::of(&picked)
             }
-            Expression::FunctionArgument(i) => self.frames.last().unwrap().arguments[*i as usize].clone(),
+            Expression::FunctionArgument(i) => self.frame().arguments[*i as usize].clone(),
             Expression::GlobalVariable(variable) => {
                 let (number, global) = (variable.index(), &module.global_variables[*variable]);
                 P(if self.words[number].is_some() {
@@ -219,7 +247,7 @@ impl Double {
                 })
             }
             Expression::LocalVariable(variable) => {
-                P(Pointer::Local { frame: self.frames.len() - 1, variable: variable.index(), way: vec![] })
+                P(Pointer::Local { frame: self.depth - 1, variable: variable.index(), way: vec![] })
             }
             Expression::Load { pointer } => {
                 let P(pointer) = get(pointer) else { panic!("a load from no pointer") };

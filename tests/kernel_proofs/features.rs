@@ -2,7 +2,6 @@
 //! be used there.
 
 use emlt::kernels::{Kernel, guided_caustic, guided_lens, guided_multi_chain};
-use emlt::scene::Material;
 
 use crate::bench::{Bench, context};
 use crate::everything::{ALL, SHORT, WITHOUT_MIRRORS, check_others, check_perturbations, prove};
@@ -75,14 +74,18 @@ fn long_kernels_under_points_leave_the_target_alone() {
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
 fn long_kernels_past_holes_and_veils_leave_the_target_alone() {
-    let mut scene = rooms::veiled_room();
-    // No polished floor, whose caustics are all at the foot of the walls: short edges leave little of half-vectors.
-    scene.materials[0] = Material { roughness: 0.6, mapped_alpha: Some([0.13, 0.27]), ..scene.materials[0].clone() };
-    prove("veiled room", &scene, &ALL);
+    prove("veiled room", &rooms::veiled_room(), &ALL);
 }
 
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
 fn long_kernels_through_layers_leave_the_target_alone() {
     prove(LAYERED, &scene_of(LAYERED), &ALL);
+}
+
+/// Coats as narrow as alpha 0.01, under a block that stands on one.
+#[test]
+#[ignore = "takes minutes; ./run test --long"]
+fn long_kernels_on_narrow_coats_leave_the_target_alone() {
+    prove("layered room", &rooms::layered_room(), &ALL);
 }

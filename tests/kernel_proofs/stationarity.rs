@@ -168,8 +168,11 @@ impl Source {
     fn new(bench: &mut Bench, applies: impl Fn(&Candidate) -> bool) -> Self {
         let even = bench.bootstrap.strategies.clone();
         let mut source = Self { strategies: even.clone(), share: 0.0 };
+        // Many more where hardly any path is of these types.
+        let (few, _) = bench.candidates_by(&source.strategies, 1 << 15, PILOT_SEEDS[0]);
+        let count = if few.iter().filter(|candidate| applies(candidate)).count() < 150 { 1 << 20 } else { 1 << 17 };
         for seed in PILOT_SEEDS {
-            let (candidates, by) = bench.candidates_by(&source.strategies, 1 << 17, seed);
+            let (candidates, by) = bench.candidates_by(&source.strategies, count, seed);
             let pilot = candidates.iter().zip(&by).map(|(candidate, by)| {
                 let weight = if applies(candidate) { candidate.weight() } else { 0.0 };
                 (*by, weight, candidate.rays())
