@@ -44,6 +44,7 @@ fn rendered(context: &Context, scene: &Scene, method: Method, samples_per_pixel:
             seed,
             max_depth: MAX_EDGES,
             direct: Direct::Mcmc,
+            candidates: 1 << 17,
             ..Settings::default()
         };
         let image = render_on(context, scene, &settings, &mut Silent).unwrap_or_else(|e| panic!("{e}")).image;
@@ -72,9 +73,9 @@ fn z(name: &str, a: &Mean, b: &Mean) -> f64 {
 
 /// Densities of the independence kernel: b is what path tracing finds, and is not without the correction. By the normal law
 /// a false alarm has a probability of 1e-6, by Student's of the 16 renders 2e-4.
-fn check_densities(scene: &Scene, without: &Without) {
+fn check_densities(scene: &Scene, samples_per_pixel: u32, without: &Without) {
     let context = context();
-    let traced = rendered(&context, scene, Method::Pt, 32, 16);
+    let traced = rendered(&context, scene, Method::Pt, samples_per_pixel, 16);
     let right = z(&format!("{}, {}, with it", scene.name, without.name), &proposed(&context, scene), &traced);
     assert!(right < Z_LIMIT, "{right}");
     without.set(&context);
@@ -102,7 +103,7 @@ fn c1_light_leaves_glass_with_etendue() {
         line: "p_c.z * abs(ns_c) * squeeze, p_l.z",
         wrong: "p_c.z * abs(ns_c), p_l.z",
     };
-    check_densities(&scene_of(SPECULAR_SCENE), &without);
+    check_densities(&scene_of(SPECULAR_SCENE), 16, &without);
 }
 
 /// The box with copper as a mirror whose normals lean.
@@ -139,7 +140,7 @@ fn c2_leaning_normals_turn_area_too() {
         line: "return Scatter(r, p_c.y * abs(ns_c), p_l.y * abs(ns_l)",
         wrong: "return Scatter(r, p_c.y * abs(ng_c), p_l.y * abs(ns_l)",
     };
-    check_densities(&leaning_mirror(), &without);
+    check_densities(&leaning_mirror(), 128, &without);
 }
 
 /// The step after a delta has a density too.
@@ -151,7 +152,7 @@ fn c3_steps_after_deltas_count() {
         line: "let light_step = safe_log(pdf_to_camera * ng_cos * inverse_r2);",
         wrong: "let light_step = select(0.0, safe_log(pdf_to_camera * ng_cos * inverse_r2), before_connectable);",
     };
-    check_densities(&scene_of(SPECULAR_SCENE), &without);
+    check_densities(&scene_of(SPECULAR_SCENE), 16, &without);
 }
 
 /// C of a path with deltas depends on the measure: all of them take that of one master f.
@@ -175,7 +176,7 @@ fn c5_densities_are_those_of_the_tag() {
         line: "return Scatter(value, to_camera * pdf_c, to_light * pdf_l, to_camera, to_light);",
         wrong: "return Scatter(value, pdf_c, pdf_l, to_camera, to_light);",
     };
-    check_densities(&varnished_wall(), &without);
+    check_densities(&varnished_wall(), 64, &without);
 }
 
 /// Paths in no kernel's list are credited what they sit out, or the image is another.
@@ -205,7 +206,7 @@ fn c11_the_sky_has_no_distance() {
         line: "inverse_r2 = 1.0;",
         wrong: "inverse_r2 = 0.5;",
     };
-    check_densities(&under_a_sky(false), &without);
+    check_densities(&under_a_sky(false), 32, &without);
 }
 
 /// Where the moved part connects to the lamp, its radiance stands where scattering (here of a white surface) would.
