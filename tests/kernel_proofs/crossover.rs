@@ -135,6 +135,7 @@ pub fn check_all(bench: &mut Bench, name: &str, exchanges: usize, rounds: u32) {
     check_ratios(bench, name, exchanges);
     check_factors(bench, name);
     if rounds > 0 {
+        // Where hardly any two paths have parts to exchange, no bin has the terms that it takes.
         let z = check_stationarity(bench, name, &[], Cut::Correct, rounds);
         assert!(z < Z_LIMIT, "{name}: |z| = {z}");
     }

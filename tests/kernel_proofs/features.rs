@@ -43,7 +43,7 @@ fn long_kernels_on_textured_gloss_leave_the_target_alone() {
     prove("polished room", &scene, &ALL);
     let context = context();
     let kernels: [&Kernel; 2] = [&guided_caustic::KERNEL, &guided_multi_chain::KERNEL];
-    let twins = kernels.map(|kernel| (kernel, "twin_one_sided", 200_000));
+    let twins = kernels.map(|kernel| (kernel, "twin_one_sided", 400_000));
     check_stationarity_on(&mut Bench::of(&context, &scene), "polished room", &[], &twins, &FEWER);
 }
 
