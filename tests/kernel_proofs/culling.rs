@@ -28,7 +28,7 @@ fn kernels_through_a_culled_wall_are_exact() {
     let (_, perturbations) = PERTURBATIONS[2];
     check_symmetry(&mut bench, "culled wall", perturbations, PROPOSALS);
     check_factors(&mut Bench::of(&context, &from_outside(|_| ())));
-    structural::check_symmetry(&mut bench, "culled wall", &[&bidirectional::KERNEL], 300_000);
+    structural::check_symmetry(&mut bench, "culled wall", &[&bidirectional::KERNEL], PROPOSALS);
     let (at_the_camera, through_lobes) = perturbations.split_at(2);
     check_stationarity_on(&mut bench, "culled wall", at_the_camera, &[], &FEWER[2..]);
     check_stationarity_on(&mut bench, "culled wall", through_lobes, &[], &RARE[2..]);
