@@ -216,8 +216,7 @@ fn long_shards_by_emlt() {
     compare("shards", SHARDS, FULL_DEPTH, Emlt, [600, 16], Power { film: 0.08, tile: 0.3 });
 }
 
-// Those of mirrors and slit have been run, and slit sees 10 % of the film; what those of ring are asked to see is a wish, not
-// a measurement (they agreed with a quarter of the candidates, which let them see 6 % of the film).
+// All of these have been run: ring sees 4.6 % of the film by mlt and 1.9 % by emlt, slit 10 %.
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
 fn long_ring_by_mlt() {
@@ -227,7 +226,7 @@ fn long_ring_by_mlt() {
 #[test]
 #[ignore = "takes minutes; ./run test --long"]
 fn long_ring_by_emlt() {
-    compare("ring", RING, FULL_DEPTH, Emlt, [600, 16], Power { film: 0.05, tile: 0.7 });
+    compare("ring", RING, FULL_DEPTH, Emlt, [600, 16], Power { film: 0.03, tile: 0.3 });
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! The corrections of METHOD.md, C1 to C12: what they concern, with them and with a line of the shaders as it would be without.
+//! The corrections of METHOD.md, C1 to C12, and some of its traps (2.9): what they concern, with them and with a line of the
+//! shaders as it would be without.
 //! C8 to C10 concern what is not made (delayed rejection, sharing out a bound); the rest of C6, C7 and C12 is the discrete
 //! worlds', the twin of the half-vector's Jacobian and the stiff cases'.
 
@@ -94,6 +95,21 @@ fn check_factors(scene: &str, without: &Without) {
     assert!(wrong > 1e-2, "{} is not missed: {wrong}", without.name);
 }
 
+/// Images by emlt: the film's light is what path tracing finds, and is not without the correction.
+fn check_film(scene: &Scene, without: &Without) {
+    let context = context();
+    let traced = rendered(&context, scene, Method::Pt, 64, 16);
+    let right = z(&format!("{}, image, {}, with it", scene.name, without.name), &by_emlt(&context, scene, 16), &traced);
+    assert!(right < Z_LIMIT, "{right}");
+    without.set(&context);
+    let wrong = z(&format!("{}, image, {}, without", scene.name, without.name), &by_emlt(&context, scene, 8), &traced);
+    assert!(wrong > Z_LIMIT, "{} is not missed: z {wrong}", without.name);
+}
+
+fn by_emlt(context: &Context, scene: &Scene, renders: u32) -> Mean {
+    rendered(context, scene, Method::Emlt, 20, renders)
+}
+
 /// The light is inside glass and the camera in air: etendue takes the place of eta^2 in sweeps from the light.
 #[test]
 fn c1_light_leaves_glass_with_etendue() {
@@ -182,19 +198,13 @@ fn c5_densities_are_those_of_the_tag() {
 /// Paths in no kernel's list are credited what they sit out, or the image is another.
 #[test]
 fn c6_idle_paths_are_seen() {
-    let (context, scene) = (context(), scene_of(SPECULAR_SCENE));
-    let traced = rendered(&context, &scene, Method::Pt, 64, 16);
-    let right = z("images by emlt", &rendered(&context, &scene, Method::Emlt, 20, 16), &traced);
-    assert!(right < Z_LIMIT, "{right}");
     let without = Without {
         name: "c6",
         module: "passes/rest.wesl",
         line: "chain_row(path, ROW_COLOUR).xyz, run.weight, random_words",
         wrong: "chain_row(path, ROW_COLOUR).xyz, 0.0, random_words",
     };
-    without.set(&context);
-    let wrong = z("with idle paths unseen", &rendered(&context, &scene, Method::Emlt, 20, 8), &traced);
-    assert!(wrong > Z_LIMIT, "idle paths are not missed: z {wrong}");
+    check_film(&scene_of(SPECULAR_SCENE), &without);
 }
 
 /// What is infinitely far has a direction alone: no distance is in its edge.
@@ -219,4 +229,40 @@ fn c12_lamps_shine_where_others_scatter() {
         wrong: "source = vec3<f32>(0.3183);",
     };
     check_factors(SCENE, &without);
+}
+
+/// The luminance of a product is not the product of luminances.
+#[test]
+fn t1_what_is_kept_has_a_colour() {
+    let without = Without {
+        name: "t1",
+        module: "transport/camera_sweep.wesl",
+        line: "let c = log_colour(prefix.xyz * chain * source * here * g);",
+        wrong: "let c = log_colour(chain * source * here * g);",
+    };
+    check_factors(SCENE, &without);
+}
+
+/// Steps on the film are in pixels: the camera's cosine is not in C.
+#[test]
+fn t5_the_cameras_cosine_is_not_in_c() {
+    let without = Without {
+        name: "t5",
+        module: "transport/camera_sweep.wesl",
+        line: "var chain = vec3<f32>(1.0);",
+        wrong: "var chain = vec3<f32>(abs(dot(direction, scene.camera_back)));",
+    };
+    check_factors(SCENE, &without);
+}
+
+/// A proposal that fails is a rejection, not no step.
+#[test]
+fn t9_what_fails_is_a_sample() {
+    let without = Without {
+        name: "t9",
+        module: "transport/accept.wesl",
+        line: "splat(layer, old_pixel, old_colour, 1.0 - acceptance, dither);",
+        wrong: "splat(layer, old_pixel, old_colour, select(0.0, 1.0 - acceptance, acceptance > 0.0), dither);",
+    };
+    check_film(&scene_of(SCENE), &without);
 }
