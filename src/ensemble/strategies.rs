@@ -190,6 +190,19 @@ mod tests {
     }
 
     #[test]
+    fn seeks_have_their_share_beside_all_others() {
+        let strategies = Strategies::uniform(1..=6, false, true);
+        assert!((strategies.cumulative.last().unwrap() - 1.0).abs() < 1e-12);
+        assert_eq!(strategies.pick(0.0), SEEK);
+        let table = strategies.log_table();
+        assert!((f64::from(table[0].exp()) - SEEK_SHARE).abs() < 1e-6);
+        // Two limits of walks, 4 and 6, share a quarter of the rest.
+        assert!((f64::from(table[6].exp()) - (1.0 - SEEK_SHARE) * WALK_SHARE / 2.0).abs() < 1e-6);
+        assert_eq!(Strategies::uniform(1..=6, false, false).log_table()[0], -1e30);
+        assert_eq!(Strategies::seeks(6).log_table()[0], 0.0);
+    }
+
+    #[test]
     fn adaptation_keeps_every_strategy_and_sums_to_one() {
         let start = Strategies::uniform(1..=6, false, true);
         let pilot = start.systematic(4096, 0.5).into_iter().map(|s| (s, f64::from(u8::from(s == [3, 1])), 4.0));
