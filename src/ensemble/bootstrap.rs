@@ -10,8 +10,9 @@ pub use super::candidate::{Candidate, Mean};
 use super::candidate::{rays, waited_for, weight};
 use super::groups::Groups;
 use super::path_traced::{Direct, Easy, PathTraced};
+use super::photons;
 use super::seeds::Lit;
-use super::sightings::Sighting;
+use super::sightings::{self, Sighting};
 use super::strategies::Strategies;
 use super::two_stage::PixelWeights;
 use super::type_shares::TypeShares;
@@ -34,6 +35,8 @@ const TWO_STAGE_PILOTS: [u32; 2] = [1 << 15, 1 << 17];
 pub const BATCH: u32 = 1 << 16;
 /// Candidates of a round, about: each has its share of all strategies, so that a start may end after any.
 const ROUND: u32 = 1 << 17;
+/// Rows that the maps take: of photons, then of sightings.
+pub const MAPS_ROWS: u64 = photons::MOST_ROWS + sightings::ROWS;
 /// Bytes of the output buffer that a batch needs.
 pub const BATCH_BYTES: u64 = BATCH as u64 * size_of::<Candidate>() as u64;
 /// Words of `lists` a candidate takes.

@@ -6,7 +6,6 @@
 use glam::Vec3;
 
 use super::bootstrap::{BATCH, Start};
-use super::sightings;
 use crate::gpu::layout::PassUniform;
 use crate::gpu::run::{Buffer, Dispatch, Run};
 use crate::gpu::shader::Variant;
@@ -30,8 +29,6 @@ const FEWEST_PHOTONS: usize = 16;
 const MOST_COMPARED: usize = 64;
 /// Rows of vec4 that the map takes at most: cells, and a list for every cube that holds enough photons.
 pub(super) const MOST_ROWS: u64 = (CELLS / 4) as u64 + (LEVELS as u64 + 1) * ENOUGH as u64;
-/// Rows that all maps of a start take: of photons, then of sightings.
-pub const MAPS_ROWS: u64 = MOST_ROWS + sightings::ROWS;
 
 /// What a photon tells: where it arrived, and the point that it seems to come from.
 #[derive(Debug, Clone, Copy)]

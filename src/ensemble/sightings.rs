@@ -3,8 +3,10 @@
 //! The first seeks, walks from the camera through specular vertices, begin anywhere on the film. Those that meet a lamp tell
 //! where others should begin (shaders/transport/sightings.wesl).
 
-use super::bootstrap::{Candidate, Start};
+use super::bootstrap::Start;
+use super::candidate::Candidate;
 use super::path_traced::PathTraced;
+use super::photons;
 use super::pool::TypeKey;
 use super::strategies::Strategies;
 use crate::gpu::lights::alias_table;
@@ -93,7 +95,7 @@ impl Start {
 
     /// Lays the map of those that are not left to the path tracer; its row, if there is one.
     pub(super) fn lay_sightings(&self, run: &Run, found: &[Sighting], path_traced: PathTraced) -> Option<u32> {
-        let row = self.maps_row? + super::photons::MOST_ROWS as u32;
+        let row = self.maps_row? + photons::MOST_ROWS as u32;
         let map = map(self.film, found.iter().copied().filter(|sighting| !path_traced.has(sighting.key)))?;
         run.set_chains(16 * u64::from(row), bytemuck::cast_slice(&map));
         Some(row)

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, CANDIDATE_PASS, CANDIDATES, Candidate, Given, Mean, Start};
+use emlt::ensemble::bootstrap::{
+    BATCH, BATCH_BYTES, CANDIDATE_PASS, CANDIDATES, Candidate, Given, MAPS_ROWS, Mean, Start,
+};
 use emlt::ensemble::groups::Groups;
 use emlt::ensemble::path_traced::Direct;
-use emlt::ensemble::photons::MAPS_ROWS;
 use emlt::ensemble::pool::TypeKey;
 use emlt::ensemble::sweep::list_words;
 use emlt::gpu::context::Context;

@@ -2,12 +2,12 @@
 //! guides that evolve. All chains of both halves count, each from a bidirectional candidate with its weight; guides then
 //! depend on the chains they guide, which shows by the inverse of their number, 8,192 a group.
 
-use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, CANDIDATE_PASS, Start};
+use emlt::ensemble::bootstrap::{BATCH, BATCH_BYTES, CANDIDATE_PASS, MAPS_ROWS, Start};
 use emlt::ensemble::groups::{Groups, MOST_GROUPS};
 use emlt::ensemble::guidance::Guidance;
 use emlt::ensemble::mix::{HALF_SWEEP, Mix};
 use emlt::ensemble::path_traced::Direct;
-use emlt::ensemble::photons::{MAPS_ROWS, has_photons};
+use emlt::ensemble::photons::has_photons;
 use emlt::ensemble::sweep::{Build, Ensemble, list_words};
 use emlt::gpu::context::Context;
 use emlt::gpu::layout::{COUNTER_WORDS, chain_rows};
